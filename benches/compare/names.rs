@@ -164,7 +164,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
     writeln!(
         part.text,
         "Each case once, in turns, and judged by the scorer of the cases: the set of effects must be the one that is missing, or one that the noise leaves to be found.\n\
-         The tool is a process a case with {THREADS} threads, without its page, and also holds its claims against the held-out recordings. The opponent is `benches/peers/sindy.py`, one\n\
+         The tool is a process a case with {THREADS} threads, without its page, and also checks its findings on the held-out recordings. The opponent is `benches/peers/sindy.py`, one\n\
          process and one thread, whose start is not counted: `WeakPDELibrary` and `STLSQ` with what an expert adds (noise that the sensors predict, parameters\n\
          refitted and projected out, one shape an effect, signs, the likeliest simulated once more). It refits the base model itself, which is counted, and its memory is that of all cases of a set in one process, imports and compiler\n\
          included; the tool's is that of its largest case. Both were\n\

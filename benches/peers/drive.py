@@ -1,4 +1,4 @@
-"""What `sindy.py` starts from: recordings, machine file, and the ordinary model, the tool's equations and conventions written anew."""
+"""What `sindy.py` starts from: recordings, machine file, and the base model, the tool's equations and conventions written anew."""
 import tomllib
 
 import numba
@@ -138,19 +138,19 @@ def integral(q):
 
 
 def simulate(p, w, put={}, noise={}):
-    """By tick, what the channels should read (x y pa pb ps) and what the links saw (`at`).  What is put in: command and slider (`valve`, `spool`),
+    """By tick, what the channels should read (x y pa pb ps) and what the links saw (`at`).  What is put in: command and spool (`valve`, `spool`),
     flows (`qa` into A, `qb` out of B), force (`f`), and by a channel's name what its sensor adds."""
     zero = np.zeros(len(w["t"]))
     more = lambda key: put.get(key, zero)
     entered = lambda c, own: w[c] + noise.get(c, 0.0) - more(c) if c in w else own
     aim = limited(p["valve.gain_per_v"] * w["u"] + p["valve.offset"], max(p["valve.rate_limit_per_s"], 0.1) * TICK)
     aim = np.interp(w["t"] - p["valve.transport_delay_s"], w["t"], aim) + more("valve")
-    slider = lag(lag(aim, p["valve.time_constants_s[0]"], True), p["valve.time_constants_s[1]"]) + more("spool")
+    spool = lag(lag(aim, p["valve.time_constants_s[0]"], True), p["valve.time_constants_s[1]"]) + more("spool")
     A, B, E, m, D, p0, f0 = (p[k] for k in ("cylinder.area_a_m2", "cylinder.area_b_m2", "cylinder.bulk_modulus_pa", "cylinder.moving_mass_kg",
                                             "cylinder.viscous_friction_n_s_per_m", "supply.pressure_pa", "load.force_n"))
     ea, eb, force = E / p["cylinder.volume_a_m3"], E / p["cylinder.volume_b_m3"], f0 + more("f")
     c = (p["supply.tank_pressure_pa"], p["valve.flow_coefficient"], p["valve.dead_zone"], p["supply.flow_limit_m3_per_s"], A, B, ea, eb, m, D)
-    x, ps = entered("x", slider), entered("ps", zero + p0)
+    x, ps = entered("x", spool), entered("ps", zero + p0)
     if "pa" in w and "pb" in w:
         pa, pb, way = entered("pa", zero), entered("pb", zero), entered("y", zero)
         way = way - way[0]
@@ -163,7 +163,7 @@ def simulate(p, w, put={}, noise={}):
         rest = (level, (A * level + f0) / B, 0.0, w["y"][0])
         pa, pb, _, y = (own_a, own_b, _, y) = hydraulics(x, ps, more("qa"), more("qb"), force, rest, c, n).T
         qa, qb = flows(x, pa, pb, ps, c)
-    return dict(x=slider + more("x"), pa=own_a + more("pa"), pb=own_b + more("pb"), ps=p0 + more("ps"), y=y + more("y"), at=(x, pa, pb, ps, qa, qb))
+    return dict(x=spool + more("x"), pa=own_a + more("pa"), pb=own_b + more("pb"), ps=p0 + more("ps"), y=y + more("y"), at=(x, pa, pb, ps, qa, qb))
 
 
 def warm():

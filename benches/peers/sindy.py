@@ -1,9 +1,9 @@
-"""PySINDy in an expert's hands: names missing physics from the residuals of the refitted ordinary model, in weak form.  Says in a line of JSON what
+"""PySINDy in an expert's hands: names missing physics from the residuals of the refitted base model, in weak form.  Says in a line of JSON what
 it is, then answers each line `CASE<tab>OUT.json` with the seconds it took and the most memory so far; OUT.json is a diagnosis in the tool's format.  Of a case it reads the
 machine file and the training recordings (evenly sampled), and all cases are judged by the same rules:
 
-1. The ordinary model (the tool's equations and conventions, written anew) is entered at every signal that is recorded, and simulates the others.
-   What it misses in a channel is the balance of a link, integrated: the slider behind its lags, the oil of A and of B, the supply, the position.
+1. The base model (the tool's equations and conventions, written anew) is entered at every signal that is recorded, and simulates the others.
+   What it misses in a channel is the balance of a link, integrated: the spool behind its lags, the oil of A and of B, the supply, the position.
 2. `WeakPDELibrary` takes two widths of window a channel; each row counts in units of the noise that the sensors predict there (drawn, and sent
    through the same model and windows).  The parameters of [fit.sigma] are refitted on these rows, robustly; then their directions are projected out.
    A case that is within the noise is left alone.
@@ -187,7 +187,7 @@ class Case:
         return {**self.nominal, **{k: v if k in SIGNED else max(v, 0.3 * self.nominal[k]) for k, v in moved.items()}}
 
     def weak(self, r, signals):
-        """Weak derivative of each channel's balance; what does not integrate (slider, supply) is integrated first."""
+        """Weak derivative of each channel's balance; what does not integrate (spool, supply) is integrated first."""
         rows = []
         for c in r["channels"]:
             s = cumulative_trapezoid(signals[c], r["t"], axis=0, initial=0.0) if c in ("x", "ps") else signals[c]

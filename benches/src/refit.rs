@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use identification::compare::CompareError;
 use identification::experiment::Prepared;
-use identification::fit::{Fit, FitError, Free, Freedom, From, fit_told};
+use identification::fit::{Fit, FitError, Free, Freedom, From, fit_with_progress};
 use machine_file::MachineFileError;
 use model_core::machine::{Machine, Parameter as P};
 use recording::{ChannelMap, RecordingError, Signal};
@@ -142,7 +142,7 @@ impl Refit {
         let told = |_: &Prepared| {
             evaluated.fetch_add(1, Ordering::Relaxed);
         };
-        let found = fit_told(&self.machine, &self.free, &cases, &From::default(), PRECISION, &told)?;
+        let found = fit_with_progress(&self.machine, &self.free, &cases, &From::default(), PRECISION, &told)?;
         Ok((found, evaluated.into_inner() / cases.len().max(1)))
     }
 }

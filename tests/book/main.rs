@@ -2,6 +2,7 @@
 
 mod budget;
 mod built;
+mod circles;
 mod crates;
 mod effects;
 mod links;

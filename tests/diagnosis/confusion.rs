@@ -205,13 +205,13 @@ fn a_misread_spool_is_not_taken_for_unequal_edges_beside_a_leak() {
 /// A spool with flow force is followed to three times its noise only. That neither pulls a base parameter from its nominal value, nor makes
 /// unequal edges look like an offset of the spool sensor.
 #[test]
-fn unequal_edges_are_told_below_a_spool_with_flow_force() {
+fn unequal_edges_are_found_below_a_spool_with_flow_force() {
     is_named(9204, 9, "flow-force + dead-zone-asymmetry");
 }
 
-/// The rod integrates a misfit of a bent flow gain that is below the noise: this must not turn unequal edges into an offset of the spool sensor.
+/// The rod integrates a misfit of a curved flow gain that is below the noise: this must not turn unequal edges into an offset of the spool sensor.
 #[test]
-fn unequal_edges_are_told_beside_a_bent_flow_gain() {
+fn unequal_edges_are_found_beside_a_curved_flow_gain() {
     is_named(9102, 10, "flow-gain-nonlinearity + dead-zone-asymmetry");
 }
 
@@ -251,6 +251,6 @@ fn false_alarms_are_at_most_two_in_a_hundred() {
     println!("{}", table(&cases));
     let alarms = cases.iter().filter(|case| case.verdict == Verdict::MissingPhysics).count();
     let suspicions = cases.iter().filter(|case| case.suspected).count();
-    println!("false claims: {alarms}, suspicions: {suspicions}, of {}", cases.len());
+    println!("false findings: {alarms}, suspicions: {suspicions}, of {}", cases.len());
     assert!(cases.len() >= 200 && alarms * 50 <= cases.len());
 }

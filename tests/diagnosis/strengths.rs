@@ -93,7 +93,7 @@ fn valve(effect: ValveEffect, drawn: &Drawn, found: &Machine<f64>) -> Vec<Measur
     }
 }
 
-/// Openings between which a bent flow gain is compared.
+/// Openings between which a curved flow gain is compared.
 const LITTLE: f64 = 0.05;
 const FAR: f64 = 0.3;
 
@@ -128,10 +128,10 @@ fn flow(effect: FlowEffect, drawn: &Drawn, found: &Machine<f64>) -> Vec<Measured
         FlowEffect::LaminarTransition { pressure_pa } => of("pressure", pressure_pa, get(P::LaminarPressure)),
         FlowEffect::Gain(curve) => {
             // Flow per opening where the valve hardly opens, over that where it opens far.
-            let bent = |flow: &dyn Fn(f64) -> f64| flow(LITTLE) / LITTLE / (flow(FAR) / FAR) - 1.0;
+            let curvature = |flow: &dyn Fn(f64) -> f64| flow(LITTLE) / LITTLE / (flow(FAR) / FAR) - 1.0;
             let (linear, beyond, notch) = (get(P::FlowGainLinear), get(P::FlowGainBeyond), get(P::FlowGainNotch));
             let found = |opening: f64| opening * (1.0 + linear * opening) + beyond * (opening - notch).max(0.0);
-            of("bend of the gain", bent(&|opening| curve.shaped(opening)), bent(&found))
+            of("curvature of the gain", curvature(&|opening| curve.shaped(opening)), curvature(&found))
         }
         FlowEffect::PumpRipple { .. } => Vec::new(),
     }

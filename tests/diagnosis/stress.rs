@@ -309,6 +309,6 @@ fn what_is_still_named_under_stress_is_as_the_table_says() {
         let _ = writeln!(text, "{:>14}", shown(doubted));
         wrong += answers.iter().filter(|(_, (said, _))| *said == Said::Wrong).count();
     }
-    let _ = writeln!(text, "{wrong} false claims in {} diagnoses", CONDITIONS.len() * DRIVES.len());
+    let _ = writeln!(text, "{wrong} false findings in {} diagnoses", CONDITIONS.len() * DRIVES.len());
     snapshot::compare("diagnosis/stress.txt", &text, |found, kept| found == kept);
 }

@@ -7,7 +7,7 @@ use comfy_table::{Attribute, Cell, CellAlignment, Table};
 use identification::parallel;
 
 use identification::compare::weakest::{Weakest, missed_by_the_whole, obstacles, weakest};
-use identification::compare::{Comparison, Section, compare_told, judged, rows_simulated};
+use identification::compare::{Comparison, Section, compare_with_progress, judged, rows_simulated};
 use machine_file::{LoadSource, MachineFile};
 use model_core::machine::Tick;
 use recording::display_unit::{TABLE, arrange, difference, percent};
@@ -130,7 +130,7 @@ fn compared(job: &Job, machine: &Path, console: &Console<'_>) -> Result<Vec<Comp
     let comparisons = parallel::try_each(&job.recordings, |recording| {
         let MachineFile { machine: values, load_source, .. } = &job.file;
         let told = |rows| bar.inc(rows as u64);
-        let found = compare_told(values, *load_source, recording, job.arithmetic, job.tick, &told);
+        let found = compare_with_progress(values, *load_source, recording, job.arithmetic, job.tick, &told);
         found.map_err(|cause| CliError::Compare { machine: machine.to_owned(), cause })
     });
     bar.finish_and_clear();

@@ -8,7 +8,7 @@ use identification::compare::judged;
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
 use identification::fit::{
-    Counts, From, effective_samples, fit_told, inflation, level_at_rest, most_evaluations, softened_all,
+    Counts, From, effective_samples, fit_with_progress, inflation, level_at_rest, most_evaluations, softened_all,
 };
 use recording::{ChannelMap, Signal};
 use report::terminal;
@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let rows = |case: &Prepared| case.rows() as u64;
     let once: u64 = cases.iter().map(|case| rows(case)).sum();
     let bar = console.at_most(once * most_evaluations(free.len(), cases.len()) as u64, "fitting");
-    let fitted = fit_told(&file.machine, &free, &cases, &From::default(), 1e-8, &|case| bar.inc(rows(case)));
+    let fitted = fit_with_progress(&file.machine, &free, &cases, &From::default(), 1e-8, &|case| bar.inc(rows(case)));
     bar.finish_and_clear();
     let fitted = fitted.map_err(|cause| failed(cause.into()))?;
     file.machine = fitted.machine;

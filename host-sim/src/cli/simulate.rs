@@ -263,5 +263,5 @@ fn response(input: &Recording, simulated: &Trajectory) -> Result<Recording, CliE
 
 fn simulate(job: &Job, told: &dyn Fn(usize)) -> Result<Trajectory, SimulateError> {
     let stimulus = Stimulus::new(&job.recording, &job.machine, job.input_point, job.load, job.tick)?;
-    job.arithmetic.simulate_told(&job.machine, &stimulus, StartOffset::none(), told)
+    job.arithmetic.simulate_with_progress(&job.machine, &stimulus, StartOffset::none(), told)
 }

@@ -63,7 +63,7 @@ pub(crate) fn decide(
 /// no sensor sees the spool (only its jump spacing says how well they are known), and none where the spool hardly jumps.
 fn estimates(question: &Question<'_>, selection: &Selection) -> Result<Vec<Estimate>, FitError> {
     let mut estimates = selection.chosen.estimates(question)?;
-    let is_untold = selection.heard.is_some() || selection.chosen.hardly_jumps();
+    let is_untold = selection.jumps.is_some() || selection.chosen.hardly_jumps();
     let is_of = |parameter| matches!(parameter, Parameter::StictionBand | Parameter::StictionKept);
     for estimate in estimates.iter_mut().filter(|one| is_untold && is_of(one.parameter)) {
         estimate.std = f64::NAN;

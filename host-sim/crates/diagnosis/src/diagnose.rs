@@ -228,7 +228,7 @@ impl<'a> Asked<'a> {
         let done = |name: &str| progress(name);
         let mut selection = self.searched(trained, excerpt, &done)?;
         let references: Vec<&Prepared> = trained.iter().collect();
-        selection.listen(&self.of(&references), &done)?;
+        selection.find_jumps(&self.of(&references), &done)?;
         Ok(selection)
     }
 

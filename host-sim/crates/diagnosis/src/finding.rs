@@ -19,7 +19,7 @@ pub struct Finding {
     /// What may stand in its place beside the other accepted effects, with the probability of those candidate models.
     pub alternatives: Vec<(&'static Hypothesis, f64)>,
     /// The jumps that the position shows, for a stiction that no free run can determine.
-    pub heard: Option<JumpsFound>,
+    pub jumps: Option<JumpsFound>,
 }
 
 /// A finding with its probability among the candidate models that were refitted in the same round, without those that hold a vetoed
@@ -46,7 +46,7 @@ pub(crate) fn finding(
         confidence: confidence.min(MOST_CONFIDENT),
         parameters,
         alternatives,
-        heard: selection.heard.as_ref().filter(|_| chosen.has(Parameter::StictionBand)).map(|heard| heard.told),
+        jumps: selection.jumps.as_ref().filter(|_| chosen.has(Parameter::StictionBand)).map(|jumps| jumps.found),
     }
 }
 

@@ -72,7 +72,7 @@ pub struct Separation {
 impl Separation {
     /// Whether the best test with the channels at hand distinguishes the two.
     #[must_use]
-    pub fn is_told(&self) -> bool {
+    pub fn is_separated(&self) -> bool {
         self.tests.first().is_some_and(Distance::tells)
     }
 }
@@ -96,7 +96,7 @@ pub fn separations(
     let tick = first.prepared.stimulus.tick;
     let sensors = sensors(diagnosis);
     let moves = diagnosis.selection.chosen.uncertainty();
-    let told = |tests| told_by(tests, chosen, &moves.steps, &pairs, &sensors, tick);
+    let told = |tests| separated_in(tests, chosen, &moves.steps, &pairs, &sensors, tick);
     let rows = parallel::try_each(tests.chunks(LANES), told)?;
     let rows: Vec<Vec<(usize, Separated)>> = rows.into_iter().flatten().collect();
     Ok(pairs
@@ -215,7 +215,7 @@ impl Separated {
 }
 
 /// Every rival on each of a few tests; empty where a test cannot be run on the drive.
-fn told_by(
+fn separated_in(
     tests: &[StandardTest],
     chosen: &Machine<f64>,
     moves: &[(Parameter, f64)],

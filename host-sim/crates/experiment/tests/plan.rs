@@ -51,7 +51,10 @@ fn with_the_position_alone_effects_pass_for_each_other_that_a_spool_and_pressure
     let share = |plan: &Plan| plan.best.isolability.confused().count();
     assert!(share(&blind) > 2 * share(&seeing), "{} {}", share(&blind), share(&seeing));
     let (hysteresis, stiction) = (place(&seeing.best, "valve-hysteresis"), place(&seeing.best, "spool-stiction"));
-    assert!(seeing.best.isolability.told[hysteresis][stiction] && seeing.best.isolability.told[stiction][hysteresis]);
+    assert!(
+        seeing.best.isolability.separated[hysteresis][stiction]
+            && seeing.best.isolability.separated[stiction][hysteresis]
+    );
     // A spool or a pressure sensor is what the position alone lacks, and nothing more is advised where all are present.
     let better = &blind.additions[0];
     assert!(better.confused < share(&blind) || better.accepted > blind.best.isolability.accepted().count());

@@ -164,7 +164,7 @@ pub fn matrix(outlook: &Outlook) -> Grid {
             Cell::None
         } else if truth == rival {
             Cell::Own
-        } else if outlook.isolability.told[truth][rival] {
+        } else if outlook.isolability.separated[truth][rival] {
             Cell::Apart(outlook.isolability.left[truth][rival])
         } else {
             Cell::Alike

@@ -42,8 +42,8 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                 uncertainty(estimate)
             );
         }
-        if let Some(told) = finding.heard {
-            let _ = writeln!(text, "source     {}", wording::jumps(told));
+        if let Some(jumps) = finding.jumps {
+            let _ = writeln!(text, "source     {}", wording::jumps(jumps));
         }
         for (effect, confidence) in &finding.alternatives {
             let _ = writeln!(text, "or         {} (probability {confidence:.3})", effect.name);

@@ -139,7 +139,7 @@ pub fn advice(separation: &Separation) -> String {
         format!("{}: the two models differ by {times} times the noise in {}", best.test, best.signal)
     };
     match (separation.tests.first(), &separation.sensor) {
-        (Some(best), _) if separation.is_told() => apart(best),
+        (Some(best), _) if separation.is_separated() => apart(best),
         (_, Some((sensor, best))) if best.tells() => format!("{}, with {sensor} recorded too", apart(best)),
         (Some(best), _) => format!("no standard test distinguishes them at this noise; best: {}", apart(best)),
         (None, _) => "no standard test runs on this drive".to_owned(),

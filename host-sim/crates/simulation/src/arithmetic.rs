@@ -27,11 +27,11 @@ impl Arithmetic {
         stimulus: &Stimulus,
         offset: StartOffset,
     ) -> Result<Trajectory, SimulateError> {
-        self.simulate_told(machine, stimulus, offset, &|_| ())
+        self.simulate_with_progress(machine, stimulus, offset, &|_| ())
     }
 
     /// The same, and reports how many more rows are done.
-    pub fn simulate_told(
+    pub fn simulate_with_progress(
         self,
         machine: &Machine<f64>,
         stimulus: &Stimulus,

@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn one_that_hangs_and_lets_go_is_told_with_place_and_speed() {
+    fn one_that_sticks_and_breaks_away_is_found_with_place_and_speed() {
         let time_s = times();
         let (command, free) = followed(&time_s);
         // It sticks at 0.04 until the free spool is 0.1 ahead, and has caught up with it 20 ms later.

@@ -1,7 +1,8 @@
 //! What it takes to accept an effect: every threshold of acceptance, each with its reason and its source.
 //!
 //! One constant has one purpose, so that each can be changed by itself. How much is searched (how many effects are refitted, how many candidate
-//! models are kept) is no threshold and stands with the search.
+//! models are kept) is no threshold and stands with the search. What says *where* and *when* an error is made accepts nothing: its thresholds stand
+//! in `localisation`. So do those of `statics` in `identification::static_curve`, which indicates and does not accept.
 //!
 //! A finding is *confirmed* when all of these hold, in this order:
 //!

@@ -58,7 +58,7 @@ pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)
     done("refit");
     course.forward(question, SEARCHED_TO, done)?;
     let Course { base, chosen, rounds, joined, .. } = course;
-    Ok(Selection { base, chosen, rounds, joined, heard: None })
+    Ok(Selection { base, chosen, rounds, joined, jumps: None })
 }
 
 impl Course {

@@ -34,7 +34,7 @@ pub fn lengthened(
         base,
         rounds: found.rounds.clone(),
         joined: found.joined.clone(),
-        heard: None,
+        jumps: None,
     };
     if let Some(chosen) = chosen?
         && chosen.is_plausible(question.scene)

@@ -23,5 +23,5 @@ pub use confirmation::{Confirmation, confirm};
 pub use extended::extended;
 pub use full_length::lengthened;
 pub(crate) use likelihood::Gained;
-pub use outcome::{Heard, JumpsFound, Selection, Trial};
+pub use outcome::{JumpEvidence, JumpsFound, Selection, Trial};
 pub use valve::jump_spacing::JumpSpacing;

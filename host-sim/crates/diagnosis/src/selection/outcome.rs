@@ -52,7 +52,7 @@ pub struct Selection {
     /// The plainest of several effects that the valve-first search found: the whole model only had to accept them all together.
     pub joined: Vec<&'static str>,
     /// The jumps of a spool that no sensor measures, where the chosen candidate model has them from the position.
-    pub heard: Option<Heard>,
+    pub jumps: Option<JumpEvidence>,
 }
 
 impl Selection {
@@ -83,9 +83,9 @@ impl JumpsFound {
 
 /// The jumps of a spool that no sensor measures.
 #[derive(Clone, Debug)]
-pub struct Heard {
+pub struct JumpEvidence {
     /// What the position shows of them.
-    pub told: JumpsFound,
+    pub found: JumpsFound,
     /// The model without jumps with which the position is compared.
     pub(super) following: Machine<f64>,
     /// What was chosen before.

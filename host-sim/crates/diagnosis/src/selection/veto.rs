@@ -30,7 +30,7 @@ impl Selection {
         if held_out.is_empty() {
             return Ok(refused);
         }
-        refused.extend(self.unheard(held_out)?);
+        refused.extend(self.without_unconfirmed_jumps(held_out)?);
         for index in (0..self.chosen.effects.len()).rev() {
             if self.chosen.effects.len() == 1 {
                 break;
@@ -45,7 +45,7 @@ impl Selection {
                     is_by_form(&left(&self.base.fit.machine)?, &left(without)?, &left(with)?)
                 });
             let gains = gains || (is_hidden && gains_on_own_side(question, &self.chosen, effect, held_out)?);
-            if !(gains || self.is_heard(effect)) {
+            if !(gains || self.is_found_by_jumps(effect)) {
                 refused.push(effect);
                 self.chosen = fewer;
             }
@@ -53,8 +53,9 @@ impl Selection {
         if refused.is_empty() {
             return Ok(refused);
         }
-        let is_heard = self.chosen.effects.iter().any(|one| self.is_heard(one.effect));
-        let stands = || Ok::<_, FitError>(is_heard || accepts(question, &self.base, &self.base, &self.chosen)?);
+        let is_found_by_jumps = self.chosen.effects.iter().any(|one| self.is_found_by_jumps(one.effect));
+        let stands =
+            || Ok::<_, FitError>(is_found_by_jumps || accepts(question, &self.base, &self.base, &self.chosen)?);
         if self.chosen.is_plausible(question.scene) && stands()? {
             enter(question, &self.base, &mut self.rounds, &self.chosen);
         } else {

@@ -23,7 +23,7 @@ fn separated(
 ) -> Separation {
     let pairs = [Pair { effect: "chosen", rival: "rival", confidence: 0.2, machine: *rival }];
     let (tests, sensors) = (standard_tests(chosen, 10.0), sensors(present));
-    let told = told_by(&tests, chosen, moves, &pairs, &sensors, Tick::OneMillisecond).unwrap();
+    let told = separated_in(&tests, chosen, moves, &pairs, &sensors, Tick::OneMillisecond).unwrap();
     let of_pair: Vec<_> = tests.iter().zip(&told).map(|(test, told)| (test, &told[0].1)).collect();
     separation(&pairs[0], &of_pair, &sensors, &DMatrix::identity(moves.len(), moves.len()))
 }
@@ -52,7 +52,7 @@ fn holding_a_load_tells_leakage_from_external_leakage_and_the_best_test_comes_fi
             .windows(2)
             .all(|pair| (pair[0].tells() && !pair[1].tells()) || pair[0].per_20_s >= pair[1].per_20_s)
     );
-    assert!(found.is_told(), "{found:?}");
+    assert!(found.is_separated(), "{found:?}");
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn a_sensor_that_is_not_there_is_named_where_it_doubles_the_distance() {
     let chosen = with(Parameter::HysteresisWidth, 0.02);
     let rival = with(Parameter::BacklashPlay, 3e-4);
     let found = separated(&chosen, &rival, &[], &[Signal::Spool, Signal::Position]);
-    assert!(found.is_told());
+    assert!(found.is_separated());
     let blind = separated(&chosen, &rival, &[], &[Signal::PressureA]);
     let (sensor, better) = blind.sensor.as_ref().unwrap();
     assert!(matches!(sensor, Signal::Spool | Signal::Position), "{sensor}");

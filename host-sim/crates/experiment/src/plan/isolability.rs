@@ -17,7 +17,7 @@ pub struct Isolability {
     /// For each effect that is present and each other effect: the difference that the other's best form leaves, in standard deviations.
     pub left: Vec<Vec<f64>>,
     /// Whether this difference distinguishes the two. Every effect counts as distinguished from itself.
-    pub told: Vec<Vec<bool>>,
+    pub separated: Vec<Vec<bool>>,
 }
 
 /// Products of everything that remains after a refit of the base parameters and the initial state.
@@ -52,7 +52,7 @@ impl Isolability {
             left.fold(square(truth), f64::min)
         };
         let accepted = |effect: usize| 0.5 * square(effect) > needed(directions.fewest(effect), samples);
-        let told = |truth: usize, rival: usize, left: f64| {
+        let separated = |truth: usize, rival: usize, left: f64| {
             // An extension of an effect is only named if it gains enough for its additional parameters.
             let takes_in =
                 directions.effects[rival].extends.is_some_and(|of| of.plain == directions.effects[truth].name);
@@ -68,8 +68,8 @@ impl Isolability {
         Self {
             seen: (0..effects).map(|effect| square(effect).sqrt()).collect(),
             accepted: (0..effects).map(accepted).collect(),
-            told: (0..effects)
-                .map(|truth| (0..effects).map(|rival| told(truth, rival, left[truth][rival])).collect())
+            separated: (0..effects)
+                .map(|truth| (0..effects).map(|rival| separated(truth, rival, left[truth][rival])).collect())
                 .collect(),
             left: left.into_iter().map(|row| row.into_iter().map(f64::sqrt).collect()).collect(),
         }
@@ -87,15 +87,15 @@ impl Isolability {
 
     /// Effects that an effect would be confused with.
     pub fn rivals(&self, truth: usize) -> impl Iterator<Item = usize> + '_ {
-        self.told[truth].iter().enumerate().filter(|(_, told)| !**told).map(|(rival, _)| rival)
+        self.separated[truth].iter().enumerate().filter(|(_, separated)| !**separated).map(|(rival, _)| rival)
     }
 
     /// Value of an excitation: the number of accepted effects and distinguished pairs of them, and, where these are equal, by how much.
     pub(crate) fn worth(&self) -> (usize, f64) {
         self.accepted().fold((0, 0.0), |(count, far), truth| {
-            let told = self.told[truth].iter().filter(|told| **told).count();
+            let separated = self.separated[truth].iter().filter(|separated| **separated).count();
             let by: f64 = self.left[truth].iter().map(|left| left.ln_1p()).sum();
-            (count + told, far + by)
+            (count + separated, far + by)
         })
     }
 }

@@ -126,11 +126,11 @@ pub fn compare(
     arithmetic: Arithmetic,
     tick: Option<Tick>,
 ) -> Result<Comparison, CompareError> {
-    compare_told(machine, load, recording, arithmetic, tick, &|_| ())
+    compare_with_progress(machine, load, recording, arithmetic, tick, &|_| ())
 }
 
 /// As [`compare`], and reports how many more rows have been simulated, of [`rows_simulated`] in all.
-pub fn compare_told(
+pub fn compare_with_progress(
     machine: &Machine<f64>,
     load: LoadSource,
     recording: &Recording,
@@ -145,7 +145,7 @@ pub fn compare_told(
         .map(|plan| {
             let simulated = |mended: &Mended<'_>| {
                 let stimulus = Stimulus::of_mended(mended, machine, plan.input_point, plan.load, tick)?;
-                arithmetic.simulate_told(machine, &stimulus, StartOffset::none(), told)
+                arithmetic.simulate_with_progress(machine, &stimulus, StartOffset::none(), told)
             };
             let trajectory = simulated(&mended)?;
             let input_noise = if plan.is_driven_by_sensors() {

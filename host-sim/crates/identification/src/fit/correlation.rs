@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn two_values_that_are_told_by_their_sum_are_correlated_and_one_that_is_told_alone_is_not() {
+    fn two_values_of_which_only_the_sum_is_determined_are_correlated_and_one_determined_alone_is_not() {
         let found = fit(0.0).correlations(1.0);
         // The inverse of [[100, 99], [99, 100]] has the correlation −99/100.
         let [pair] = found.as_slice() else { panic!("{found:?}") };

@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn where_slopes_were_taken_they_tell_what_they_told_and_a_step_on_what_new_ones_nearly_do() {
+    fn a_kept_jacobian_predicts_at_its_own_point_what_it_did_and_a_step_on_nearly_what_a_new_one_does() {
         let machine = press(&[(Parameter::ViscousFriction, 4e4)]);
         let mut case = Prepared::new(&extending(&machine), &machine, LoadSource::Constant, None).unwrap();
         // Rows that are not judged have no derivatives either.

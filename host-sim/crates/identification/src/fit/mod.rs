@@ -309,7 +309,7 @@ pub fn fit(
     from: &From<'_>,
     precision: f64,
 ) -> Result<Fit, FitError> {
-    fit_told(machine, free, cases, from, precision, &|_| ())
+    fit_with_progress(machine, free, cases, from, precision, &|_| ())
 }
 
 /// Largest number of times that [`fit`] evaluates each recording; usually it ends much earlier.
@@ -319,7 +319,7 @@ pub const fn most_evaluations(free: usize, recordings: usize) -> usize {
 }
 
 /// As [`fit`], and reports each recording after each of its evaluations.
-pub fn fit_told(
+pub fn fit_with_progress(
     machine: &Machine<f64>,
     free: &[Free],
     cases: &[&Prepared],

@@ -107,8 +107,8 @@ fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
                 "."
             }
         }
-        @if let Some(told) = finding.heard {
-            p { "Told by: " (wording::jumps(told)) "." }
+        @if let Some(jumps) = finding.jumps {
+            p { "Told by: " (wording::jumps(jumps)) "." }
         }
         @if rivals.is_empty() {
             p { "To be sure: " (finding.effect.separated_by) "." }

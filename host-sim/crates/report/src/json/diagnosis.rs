@@ -187,12 +187,12 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
         "separated_by": exhibits.separated_by(finding),
         "separation": evidence::separation(exhibits, finding),
     });
-    if let Some(told) = finding.heard {
+    if let Some(jumps) = finding.jumps {
         found["jumps"] = json!({
-            "length": digits(told.jump_spacing.length, 3),
-            "log_likelihood": digits(told.jump_spacing.evidence, 3),
-            "kept_alone": digits(told.kept_alone, 3),
-            "sentence": wording::jumps(told),
+            "length": digits(jumps.jump_spacing.length, 3),
+            "log_likelihood": digits(jumps.jump_spacing.evidence, 3),
+            "kept_alone": digits(jumps.kept_alone, 3),
+            "sentence": wording::jumps(jumps),
         });
     }
     found

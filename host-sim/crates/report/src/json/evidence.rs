@@ -132,7 +132,7 @@ pub(crate) fn separation(exhibits: &Exhibits, finding: &Finding) -> Value {
             let sensor =
                 rival.sensor.as_ref().map(|(sensor, best)| json!({ "sensor": sensor.name(), "best": distance(best) }));
             json!({
-                "effect": rival.rival, "confidence": digits(rival.confidence, 3), "told_apart": rival.is_told(),
+                "effect": rival.rival, "confidence": digits(rival.confidence, 3), "told_apart": rival.is_separated(),
                 "advice": wording::advice(rival), "tests": rival.tests.iter().take(3).map(distance).collect::<Vec<_>>(),
                 "with_sensor": sensor,
             })

@@ -17,7 +17,7 @@ fn with_two(unknown: &[(P, f64)], effects: [&str; 2], seen: impl FnOnce(&Questio
 }
 
 #[test]
-fn what_the_other_effect_makes_superfluous_goes_unless_it_was_found_with_the_links_apart() {
+fn what_the_other_effect_makes_superfluous_goes_unless_it_was_found_valve_first() {
     let unknown = [(P::CoulombFriction, 300.0)];
     with_two(&unknown, ["internal-leakage", "coulomb-friction"], |question, base, both| {
         let left = |stay: &[&str]| reduced(question, base, both.clone(), stay).unwrap().unwrap().names();
@@ -90,7 +90,7 @@ fn a_set_enters_its_round_unless_a_better_fit_of_its_effects_is_there() {
 }
 
 /// Candidate models of one effect each that lack a nonlinear flow gain, where the flow coefficient and the mass are free.
-fn beside_a_bent_gain(effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Candidate, Vec<(Candidate, f64)>)) {
+fn beside_a_curved_gain(effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Candidate, Vec<(Candidate, f64)>)) {
     with_press(&[(P::FlowGainLinear, 0.8), (P::CoulombFriction, 300.0)], |question| {
         let free = [P::FlowCoefficient, P::MovingMass].map(|parameter| {
             let nominal = question.scene.machine.get(parameter);
@@ -104,8 +104,8 @@ fn beside_a_bent_gain(effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Cand
 }
 
 #[test]
-fn sets_that_are_far_off_are_refitted_to_recordings_that_are_believed_less_and_bend_less() {
-    beside_a_bent_gain(["coulomb-friction", "internal-leakage"], |question, base, sets| {
+fn candidate_models_far_off_are_refitted_with_inflated_noise_and_pulled_less() {
+    beside_a_curved_gain(["coulomb-friction", "internal-leakage"], |question, base, sets| {
         let before: Vec<Candidate> = sets.iter().map(|(set, _)| set.clone()).collect();
         let after = ranked_by_misfit(question, base, sets, None).unwrap();
         assert_eq!(after.len(), before.len());
@@ -118,7 +118,7 @@ fn sets_that_are_far_off_are_refitted_to_recordings_that_are_believed_less_and_b
 }
 
 #[test]
-fn where_a_set_is_at_its_noise_recordings_are_believed() {
+fn a_candidate_model_at_its_noise_keeps_its_refit() {
     with_press(&[(P::CoulombFriction, 300.0)], |question| {
         let base = Candidate::rough(question, None).unwrap();
         let sets = ["coulomb-friction", "internal-leakage"].map(|name| added(question, &base, name, None));

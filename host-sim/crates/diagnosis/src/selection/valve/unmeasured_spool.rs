@@ -15,7 +15,7 @@ use crate::selection::decision_rule::{MOST_EFFECTS, PLAY_SOUGHT_FROM, SPACING_SO
 use crate::selection::forward::Course;
 use crate::selection::inflated_noise::as_far_as;
 use crate::selection::likelihood::ranked_by;
-use crate::selection::outcome::{Heard, JumpsFound, Selection};
+use crate::selection::outcome::{JumpEvidence, JumpsFound, Selection};
 use crate::selection::round::{candidates, finished, trial};
 use crate::selection::screen::with;
 
@@ -103,7 +103,7 @@ impl Selection {
     /// with inflated noise. Its lag and the jump length give the share of its band that a stiction alone would keep; where that is more than a real
     /// one keeps, there is a play beside it. The jumps do not show the kept share in that case: it is taken from the simulation with the smallest
     /// misfit.
-    pub fn listen(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
+    pub fn find_jumps(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
         let Some(stiction) = question.form_with(&[Parameter::StictionBand, Parameter::StictionKept]) else {
             return Ok(());
         };
@@ -136,8 +136,8 @@ impl Selection {
         done(stiction.effect.name);
 
         let width = following.fit.machine.get(Parameter::HysteresisWidth);
-        let told = JumpsFound { jump_spacing, kept_alone: Sticks::alone(jump_spacing.length, width).kept };
-        let is_alone = told.is_alone();
+        let found = JumpsFound { jump_spacing, kept_alone: Sticks::alone(jump_spacing.length, width).kept };
+        let is_alone = found.is_alone();
         let lengths = LENGTHS.iter().map(|times| times * jump_spacing.length);
         let tries: Vec<Sticks> = if is_alone {
             lengths.flat_map(|length| LAGS.map(|times| Sticks::alone(length, times * width))).collect()
@@ -153,7 +153,7 @@ impl Selection {
         };
         let Some((best, _)) = ranked.into_iter().find(may_be) else { return Ok(()) };
         let (chosen, rounds) = (self.chosen.clone(), self.rounds.clone());
-        self.heard = Some(Heard { told, following: following.fit.machine, chosen, rounds });
+        self.jumps = Some(JumpEvidence { found, following: following.fit.machine, chosen, rounds });
         self.rounds.truncate(best.effects.len());
         self.rounds.resize(best.effects.len(), Vec::new());
         if let Some(last) = self.rounds.last_mut() {
@@ -167,21 +167,24 @@ impl Selection {
     }
 
     /// Goes back to what was chosen before, where held-out recordings show no jumps of this length. Returns the stiction that is removed by this.
-    pub(crate) fn unheard(&mut self, held_out: &[&Prepared]) -> Result<Option<&'static Hypothesis>, FitError> {
-        let Some(heard) = &self.heard else { return Ok(None) };
-        if heard.told.jump_spacing.is_in(&heard.following, held_out)? {
+    pub(crate) fn without_unconfirmed_jumps(
+        &mut self,
+        held_out: &[&Prepared],
+    ) -> Result<Option<&'static Hypothesis>, FitError> {
+        let Some(jumps) = &self.jumps else { return Ok(None) };
+        if jumps.found.jump_spacing.is_in(&jumps.following, held_out)? {
             return Ok(None);
         }
         let gone = self.chosen.effects.iter().find(|one| one.has(Parameter::StictionBand)).map(|one| one.effect);
-        (self.chosen, self.rounds) = (heard.chosen.clone(), heard.rounds.clone());
-        self.heard = None;
+        (self.chosen, self.rounds) = (jumps.chosen.clone(), jumps.rounds.clone());
+        self.jumps = None;
         Ok(gone.filter(|gone| !self.chosen.has(gone)))
     }
 
     /// Whether an effect is the stiction whose jumps were found in the position.
-    pub(crate) fn is_heard(&self, effect: &Hypothesis) -> bool {
+    pub(crate) fn is_found_by_jumps(&self, effect: &Hypothesis) -> bool {
         let is_stiction = |one: &Chosen| one.effect.name == effect.name && one.has(Parameter::StictionBand);
-        self.heard.is_some() && self.chosen.effects.iter().any(is_stiction)
+        self.jumps.is_some() && self.chosen.effects.iter().any(is_stiction)
     }
 }
 

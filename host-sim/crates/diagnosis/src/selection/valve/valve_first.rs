@@ -156,7 +156,7 @@ impl Course {
                     self.explained = [valve.explained.as_slice(), &below.explained].concat();
                 }
                 self.rounds = together(question.scene.machine, &valve, &below);
-                told_by_chain(&mut self.rounds, &ranked, (found, *net));
+                complete_last_round(&mut self.rounds, &ranked, (found, *net));
                 break;
             }
         }
@@ -199,7 +199,7 @@ fn joined(
 
 /// Puts into the last round the net gains of the candidate models that were refitted in the whole model; the others keep the distance behind the
 /// chosen one that they had when each side was searched by itself.
-fn told_by_chain(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (chosen, net): (&Candidate, f64)) {
+fn complete_last_round(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (chosen, net): (&Candidate, f64)) {
     rounds.truncate(chosen.effects.len());
     let Some(round) = rounds.last_mut() else { return };
     let ranked: Vec<_> = ranked.iter().filter(|(set, _)| set.effects.len() == chosen.effects.len()).collect();

@@ -15,7 +15,7 @@ mod track;
 mod whiten;
 
 use identification::parallel;
-use track::{Block, Heard, Track, tracks};
+use track::{Block, BlockLikelihood, Track, tracks};
 use whiten::{usual, whitened};
 
 use identification::experiment::Prepared;
@@ -98,7 +98,8 @@ fn evidence(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<f6
         return Ok(None);
     }
     let of_length = |length: &f64| {
-        let chains: Vec<Vec<Heard>> = tracks.iter().map(|track| track.heard(*length, &memory, variance)).collect();
+        let chains: Vec<Vec<BlockLikelihood>> =
+            tracks.iter().map(|track| track.likelihoods(*length, &memory, variance)).collect();
         let under = |(height, glides)| chains.iter().map(|chain| along(chain, *length, height, glides)).sum();
         let models = (0..HEIGHTS.len()).flat_map(|height| GLIDES.iter().map(move |glides| (height, *glides)));
         mean_of_logarithms(&models.map(under).collect::<Vec<f64>>())
@@ -110,7 +111,7 @@ fn evidence(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Option<Vec<f6
 ///
 /// At a turn and after a rest the phase is unknown. Along a stroke it drifts at random: a jump ends where the free spool is at the end of a row, so
 /// that it is longer the faster the free spool moves.
-fn along(chain: &[Heard<'_>], length: f64, height: usize, glides: f64) -> f64 {
+fn along(chain: &[BlockLikelihood<'_>], length: f64, height: usize, glides: f64) -> f64 {
     /// Variance that the phase gains, in turns², per jump length of spool travel.
     const STRAYS: f64 = 0.002;
     /// What a change of speed adds to a jump, s.
@@ -119,7 +120,7 @@ fn along(chain: &[Heard<'_>], length: f64, height: usize, glides: f64) -> f64 {
     let mut phases = open;
     let mut last: Option<&Block> = None;
     let mut sum = 0.0;
-    for Heard { block, gains } in chain.iter().filter(|heard| heard.block.speed < glides) {
+    for BlockLikelihood { block, gains } in chain.iter().filter(|likelihoods| likelihoods.block.speed < glides) {
         phases = match last {
             Some(last) if last.end == block.first && last.rises == block.rises => {
                 let travel = 0.5 * (last.travel + block.travel) / length;

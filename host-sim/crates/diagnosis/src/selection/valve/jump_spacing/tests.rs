@@ -41,7 +41,7 @@ fn jumps_that_no_sensor_sees_are_heard_in_the_position_with_their_length() {
 }
 
 #[test]
-fn no_jump_is_heard_where_none_is_not_even_by_a_model_that_is_off() {
+fn no_jump_is_found_where_none_is_not_even_by_a_model_that_is_off() {
     let (plain, play) = play();
     let case = prepared(&play, &[POSITION], 4000);
     for model in [play, plain, play.with(&[(Parameter::ValveGain, 0.057)])] {

@@ -48,7 +48,7 @@ pub(crate) struct Block {
 }
 
 /// Evidence of a block for jumps of a length: its log-likelihood relative to noise alone, for each height and phase.
-pub(crate) struct Heard<'a> {
+pub(crate) struct BlockLikelihood<'a> {
     pub(crate) block: &'a Block,
     pub(crate) gains: [[f64; PHASES]; HEIGHTS.len()],
 }
@@ -122,7 +122,7 @@ impl Track {
     }
 
     /// Evidence of each block for jumps of a length. `variance` is that of the noise, m²; `memory` is the filter that makes it white.
-    pub(crate) fn heard<'s>(&'s self, length: f64, memory: &[f64], variance: f64) -> Vec<Heard<'s>> {
+    pub(crate) fn likelihoods<'s>(&'s self, length: f64, memory: &[f64], variance: f64) -> Vec<BlockLikelihood<'s>> {
         /// Share of the rows that counts as independent: the noise of neighbouring rows is not quite independent.
         const INDEPENDENT: f64 = 0.8;
         /// The usual variance counts as this many rows, since the variance of a short block is inaccurate.
@@ -163,7 +163,7 @@ impl Track {
                     gains[phase] = -weight * left.max(LEAST_LEFT).ln();
                 }
             }
-            Heard { block, gains }
+            BlockLikelihood { block, gains }
         };
         self.blocks.iter().map(of_block).collect()
     }

@@ -8,9 +8,9 @@ use crate::test_scene::scene;
 
 const POSITION: [(Signal, f64); 1] = [(Signal::Position, 1e-5)];
 
-/// The effects that `listen` adds to an empty selection for a spool with these parameters, the one that `unheard` removes where held-out recordings
+/// The effects that `find_jumps` adds to an empty selection for a spool with these parameters, the one that `without_unconfirmed_jumps` removes where held-out recordings
 /// have other spool parameters, and the effects that remain.
-fn heard(
+fn jumps(
     truth: &[(Parameter, f64)],
     held_out: &[(Parameter, f64)],
 ) -> (Vec<&'static str>, Option<&'static str>, Vec<&'static str>) {
@@ -29,10 +29,10 @@ fn heard(
     let question =
         Question { scene: &scene, base_parameters: &base_parameters, hypotheses: CATALOGUE, training: &training };
     let base = Candidate::rough(&question, None).unwrap();
-    let mut selection = Selection { chosen: base.clone(), base, rounds: Vec::new(), joined: Vec::new(), heard: None };
-    selection.listen(&question, &|_| ()).unwrap();
+    let mut selection = Selection { chosen: base.clone(), base, rounds: Vec::new(), joined: Vec::new(), jumps: None };
+    selection.find_jumps(&question, &|_| ()).unwrap();
     let names = selection.chosen.names();
-    let gone = selection.unheard(&[&held_out]).unwrap().map(|effect| effect.name);
+    let gone = selection.without_unconfirmed_jumps(&[&held_out]).unwrap().map(|effect| effect.name);
     (names, gone, selection.chosen.names())
 }
 
@@ -41,20 +41,20 @@ const PLAYS: [(Parameter, f64); 1] = [(Parameter::HysteresisWidth, 0.024)];
 
 #[test]
 fn a_spool_that_sticks_unseen_is_named_and_a_held_out_recording_that_holds_its_jumps_agrees() {
-    let (names, gone, left) = heard(&STICKS, &STICKS);
+    let (names, gone, left) = jumps(&STICKS, &STICKS);
     assert_eq!((names.as_slice(), gone, left.as_slice()), (&["spool-stiction"][..], None, &["spool-stiction"][..]));
 }
 
 #[test]
 fn what_was_chosen_before_comes_back_where_held_out_recordings_hold_no_jumps() {
-    let (names, gone, left) = heard(&STICKS, &PLAYS);
+    let (names, gone, left) = jumps(&STICKS, &PLAYS);
     assert_eq!((names.as_slice(), gone), (&["spool-stiction"][..], Some("spool-stiction")));
     assert!(left.is_empty());
 }
 
 #[test]
 fn a_play_that_follows_is_not_taken_for_stiction() {
-    let (names, gone, _) = heard(&PLAYS, &PLAYS);
+    let (names, gone, _) = jumps(&PLAYS, &PLAYS);
     assert!(names.is_empty() && gone.is_none());
 }
 
