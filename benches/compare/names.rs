@@ -18,8 +18,8 @@ const SCORER: &str = "score.py";
 const SCORES: [(&str, &str); 4] = [
     ("single effects named ", "singles exact"),
     ("pairs ", "pairs exact"),
-    ("decoys left alone ", "decoys left alone"),
-    ("outside the catalogue owned up to ", "outsiders owned up to"),
+    ("decoys left alone ", "nothing missing, no finding"),
+    ("outside the catalogue owned up to ", "out of the catalogue, no finding"),
 ];
 /// Threads of the tool; the opponent has one.
 const THREADS: usize = 2;

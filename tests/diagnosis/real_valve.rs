@@ -42,7 +42,7 @@ fn the_valve_of_a_real_crane_is_located_and_no_other_link_is_blamed() {
     for habit in &located.spool {
         println!("{}", report::wording::spool_habit(habit));
     }
-    let [Habit::Sticks { at, .. }, Habit::BreaksAway { speed_per_s, .. }, Habit::RestsApart { rests, .. }] =
+    let [Habit::Sticks { at, .. }, Habit::BreaksAway { speed_per_s, .. }, Habit::RestsElsewhere { rests, .. }] =
         located.spool.as_slice()
     else {
         panic!("{:?}", located.spool)

@@ -54,6 +54,10 @@ fn measured(truth: &PlantEffect, drawn: &Drawn, found: &Machine<f64>) -> Vec<Mea
         PlantEffect::PumpSlip { conductance_m3_per_s_pa, .. } => {
             of("conductance", conductance_m3_per_s_pa, get(P::PumpSlip))
         }
+        PlantEffect::Cavitation(bubbles) => {
+            let tank_pa = drawn.file.machine.get(P::TankPressure);
+            of("floor below the tank", tank_pa - bubbles.floor_pa, tank_pa - get(P::CavitationFloor))
+        }
         PlantEffect::Valve(effect) => valve(effect, drawn, found),
         PlantEffect::Flow(effect) => flow(effect, drawn, found),
         PlantEffect::Friction(friction) => dry(friction.level, friction.stiffness_n_per_m, drawn, found),
@@ -311,7 +315,7 @@ fn table(effects: &[&'static str]) -> String {
 #[ignore = "some minutes"]
 fn strengths_of_named_effects_are_as_near_as_the_table_says() {
     let effects: Vec<&'static str> =
-        virtual_plant::concealed::VOCABULARY.iter().chain(&["hose-compliance"]).copied().collect();
+        virtual_plant::concealed::VOCABULARY.iter().chain(&["hose-compliance", "cavitation"]).copied().collect();
     snapshot::compare("diagnosis/strengths.txt", &table(&effects), |found, kept| found == kept);
 }
 

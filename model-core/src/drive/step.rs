@@ -1,5 +1,10 @@
 //! One step of the links below the valve, solved together: flow, chambers and mechanics over one tick.
 //!
+//! ```text
+//! dpa/dt = E0/Va·(Qa − A·v)        dpb/dt = E0/Vb·(α·A·v − Qb)      (11)
+//! m·dv/dt = F + A·pa − α·A·pb − Dw·v                               (14)
+//! ```
+//!
 //! Pressures and velocity form a stiff, coupled system. One tick solves it with the two-stage, L-stable, linearly implicit
 //! Rosenbrock step ROS2 (Verwer, Spee, Blom, Hundsdorfer: *A second-order Rosenbrock method applied to photochemical dispersion
 //! problems*, SIAM J. Sci. Comput. 20, 1999), γ = 1 − 1/√2:

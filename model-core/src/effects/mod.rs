@@ -189,7 +189,7 @@ macro_rules! effects {
             }
 
             Cavitation "cavitation" in Chambers {
-                CavitationFloor: "floor_pa", "Pa", -1e9, 1e7, -1e9, "Pressure that a chamber does not fall below, that of the oil's vapour or of the air that it gives off, from the same zero as the tank's and at most that; oil pulls without limit where the file does not give it.";
+                CavitationFloor: "floor_pa", "Pa", -1e9, 1e7, -1e9, "Pressure that a chamber does not fall below, that of the oil's vapour or of the air that it gives off, from the same zero as the tank's: from a vacuum, -101300, up to the tank's pressure. Oil pulls without limit where the file does not give it.";
             } trial {
                 "": CavitationFloor = -3e4;
             } strong {

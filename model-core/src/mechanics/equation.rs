@@ -1,5 +1,9 @@
 //! The equation of motion of the mass in one tick, from the rod's present state: its diagonal, the forces at the two stages, and the step.
 //!
+//! ```text
+//! m·dv/dt = F + A·pa − α·A·pb − Dw·v      (14), with what the effects add
+//! ```
+//!
 //! Effects that add to the mass's own diagonal 1 + γ·h·D/m (viscosity, a spring, bristles, a stop) are computed as dampers s that act on the
 //! velocity at the stage, v + γ·k. A spring of stiffness k is a damper s = γ·h·k plus the spring's force at the tick's start. With r = old
 //! diagonal over new one, mobility and `back` are multiplied by r, and the drag becomes drag·r + (1 − r)/γ.

@@ -165,7 +165,7 @@ pub fn matrix(outlook: &Outlook) -> Grid {
         } else if truth == rival {
             Cell::Own
         } else if outlook.isolability.separated[truth][rival] {
-            Cell::Apart(outlook.isolability.left[truth][rival])
+            Cell::Distance(outlook.isolability.left[truth][rival])
         } else {
             Cell::Alike
         }

@@ -94,7 +94,7 @@ pub fn spool_habit(habit: &Habit) -> String {
             travel(*modelled_per_s),
             significant(*at_s, 4)
         ),
-        Habit::RestsApart { command_v, rests: [(one, here), (other, there)], modelled } => format!(
+        Habit::RestsElsewhere { command_v, rests: [(one, here), (other, there)], modelled } => format!(
             "it does not return: at a command of {} V it rests at {} % of its travel ({one}) and at {} % ({other}); the model's two positions differ by {} %",
             significant(*command_v, 2),
             travel(*here),
@@ -108,7 +108,7 @@ pub fn spool_habit(habit: &Habit) -> String {
 #[must_use]
 pub fn jumps(told: JumpsFound) -> String {
     let kept = significant(100.0 * told.kept_alone, 2);
-    let whose = if told.is_alone() { "as one does" } else { "more than one does, so a play stands beside it" };
+    let whose = if told.is_alone() { "as one does" } else { "more than one does, so a hysteresis stands beside it" };
     format!(
         "the spool is not measured, but the position's residual repeats every {} % of spool travel, as jumps of this length leave it (log-likelihood {} more than without jumps); a stiction alone would keep {kept} % of its band, {whose}",
         significant(100.0 * told.jump_spacing.length, 2),
@@ -320,7 +320,7 @@ mod tests {
             told(0.2).contains("every 0.75 % of spool travel")
                 && told(0.2).ends_with("keep 20 % of its band, as one does")
         );
-        assert!(told(0.55).ends_with("keep 55 % of its band, more than one does, so a play stands beside it"));
+        assert!(told(0.55).ends_with("keep 55 % of its band, more than one does, so a hysteresis stands beside it"));
     }
 
     #[test]
@@ -332,7 +332,7 @@ mod tests {
     #[test]
     fn a_spool_that_does_not_return_is_told_with_both_places() {
         let rests = [("up".to_owned(), 0.0), ("down".to_owned(), 0.05)];
-        let told = spool_habit(&Habit::RestsApart { command_v: 2.0, rests, modelled: 0.0 });
+        let told = spool_habit(&Habit::RestsElsewhere { command_v: 2.0, rests, modelled: 0.0 });
         assert!(
             told.starts_with("it does not return: at a command of 2.0 V") && told.contains("at 5.0 % (down)"),
             "{told}"

@@ -13,6 +13,7 @@ mod flow_force;
 mod flow_gain_nonlinearity;
 mod friction_asymmetry;
 mod hose_compliance;
+mod hypothesis;
 mod internal_leakage;
 mod laminar_transition;
 mod linkage_backlash;
@@ -35,189 +36,11 @@ mod tank_back_pressure;
 mod valve_hysteresis;
 mod valve_leakage;
 
-use std::fmt;
+use model_core::machine::Parameter;
 
-use machine_file::LoadSource;
-use model_core::machine::{Machine, Parameter};
-use recording::Signal;
-use simulation::InputPoint;
+use hypothesis::LUGRE;
 
-/// A link of the model, as a finding names it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Subsystem {
-    /// Command → spool.
-    Valve,
-    /// Spool and pressures → flows.
-    Flow,
-    /// Flows and velocity → pressures.
-    Chambers,
-    /// Forces → motion.
-    Mechanics,
-    /// Motion → measured motion.
-    Sensing,
-}
-
-impl Subsystem {
-    /// Whether what happens in this link moves the signal: only the valve moves the spool.
-    #[must_use]
-    pub fn reaches(self, signal: Signal) -> bool {
-        self == Subsystem::Valve || signal != Signal::Spool
-    }
-}
-
-impl fmt::Display for Subsystem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Subsystem::Valve => "valve",
-            Subsystem::Flow => "flow",
-            Subsystem::Chambers => "chambers",
-            Subsystem::Mechanics => "mechanics",
-            Subsystem::Sensing => "sensing",
-        })
-    }
-}
-
-/// An effect that produces nearly the same residual as another one, so that data may not distinguish the two.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LookAlike {
-    /// Its name in the vocabulary.
-    pub effect: &'static str,
-    /// What distinguishes them.
-    pub told_apart_by: &'static str,
-}
-
-/// What a hypothesis may know of a drive before it is fitted: where its effect parameters usually lie depends on the drive's size.
-#[derive(Clone, Debug)]
-pub struct Scene<'a> {
-    /// The nominal machine.
-    pub machine: &'a Machine<f64>,
-    /// Which signal drives the model.
-    pub input_point: InputPoint,
-    /// Where the load comes from.
-    pub load: LoadSource,
-    /// Signals that are measured and judged.
-    pub judged: &'a [Signal],
-    /// Lowest and highest recorded position, m; the whole stroke where none is recorded.
-    pub travel_m: (f64, f64),
-    /// Longest recording, s.
-    pub duration_s: f64,
-    /// Lowest pressure of a chamber in the recordings, by the sensors and by the model without effects, Pa; infinite where neither gives one.
-    pub lowest_pa: f64,
-}
-
-impl Scene<'_> {
-    /// The force of the full supply on side A, N.
-    #[must_use]
-    pub fn full_force_n(&self) -> f64 {
-        self.machine.get(Parameter::AreaA) * self.machine.get(Parameter::SupplyPressure)
-    }
-
-    /// The flow at full opening and full supply pressure, m³/s.
-    #[must_use]
-    pub fn full_flow_m3_per_s(&self) -> f64 {
-        let opened = self.machine.get(Parameter::FlowCoefficient) * self.machine.get(Parameter::SupplyPressure).sqrt();
-        opened.min(self.machine.get(Parameter::FlowLimit))
-    }
-
-    /// Whether a signal is measured and judged.
-    #[must_use]
-    pub fn judges(&self, signal: Signal) -> bool {
-        self.judged.contains(&signal)
-    }
-}
-
-/// How an effect parameter moves in a search.
-#[derive(Clone, Copy, Debug)]
-pub enum Kind {
-    /// How much of the effect there is: positive, 0 is neutral. A search moves its logarithm; the range is the usual one.
-    Amount(fn(&Scene<'_>) -> (f64, f64)),
-    /// The same for an amount that is never small: far below its usual range it belongs to another effect.
-    Firm(fn(&Scene<'_>) -> (f64, f64)),
-    /// The same for an amount with which the residuals jump, so that they have no usable derivative.
-    Jump(fn(&Scene<'_>) -> (f64, f64)),
-    /// The same as an amount, of either sign; the value is the largest usual magnitude, 0 where a scene cannot show it.
-    Signed(fn(&Scene<'_>) -> f64),
-    /// How the effect acts, not how much: positive; a search moves its logarithm, and first tries this many points of the usual range.
-    Shape(fn(&Scene<'_>) -> (f64, f64), usize),
-    /// The same for a place, which may have either sign: a search moves it linearly, and first tries these shares of the usual range.
-    Place(fn(&Scene<'_>) -> (f64, f64), &'static [f64]),
-    /// A limit that a pressure does not fall below; the parameter's default is neutral, and every other value acts. Values at these shares of
-    /// the usual range are tried, and the best is refined without derivatives. The value says nothing for or against the effect.
-    Floor(fn(&Scene<'_>) -> (f64, f64), &'static [f64]),
-}
-
-/// One parameter of an effect.
-#[derive(Clone, Copy, Debug)]
-pub struct EffectParameter {
-    /// The machine's parameter.
-    pub parameter: Parameter,
-    /// How it moves, and where it usually lies.
-    pub kind: Kind,
-}
-
-impl EffectParameter {
-    /// The base parameter that acts like its negative, if there is one: a candidate model without this effect parameter uses that one instead.
-    #[must_use]
-    pub fn negative_of(&self) -> Option<Parameter> {
-        // A constant force against extending is a negative constant load.
-        (self.parameter == Parameter::LoadSpringForce).then_some(Parameter::LoadForce)
-    }
-}
-
-/// The bristles through which every law of dry friction acts before the rod slides: about as stiff as the oil columns, or stiffer. Bristles
-/// softer than about a third of the oil columns are the effect presliding; all dry friction has stiffer ones. Each law has a rigid form
-/// and one with bristles, because recordings without pressures hardly show the bristles.
-const LUGRE: EffectParameter = EffectParameter {
-    parameter: Parameter::PreslidingStiffness,
-    kind: Kind::Shape(|scene| (scene.machine.oil_spring_n_per_m(), 30.0 * scene.machine.oil_spring_n_per_m()), 1),
-};
-
-/// The effect parameters of an effect that are fitted together; the others stay neutral.
-pub type Form = &'static [EffectParameter];
-
-/// Whether dry friction of this form acts through bristles.
-#[must_use]
-pub fn is_elastic(form: Form) -> bool {
-    form.iter().any(|effect_parameter| effect_parameter.parameter == LUGRE.parameter)
-}
-
-/// What an effect has in common with a plainer one.
-#[derive(Clone, Copy, Debug)]
-pub struct Extension {
-    /// The plainer effect.
-    pub plain: &'static str,
-    /// Its effect parameter.
-    pub given: Parameter,
-    /// The extension's effect parameters that take its place.
-    pub taken: &'static [Parameter],
-}
-
-/// An effect that can be switched on in the model.
-#[derive(Clone, Copy, Debug)]
-pub struct Hypothesis {
-    /// Its name in the vocabulary.
-    pub name: &'static str,
-    /// Where it acts.
-    pub subsystem: Subsystem,
-    /// Its equation, for people.
-    pub equation: &'static str,
-    /// The forms in which it is fitted, the plainest first: the next ones have more effect parameters, or others.
-    pub forms: &'static [Form],
-    /// Effects that may be mistaken for it.
-    pub look_alikes: &'static [LookAlike],
-    /// Forms that refine these by further effect parameters: tried where one of the forms above was found, and kept where they remove three
-    /// quarters of the misfit that the plainer form leaves.
-    pub refined: &'static [Form],
-    /// The effect that it is an extension of, if any: its additional effect parameters have to gain enough.
-    pub extends: Option<Extension>,
-    /// The test that distinguishes it from others.
-    pub separated_by: &'static str,
-    /// Where the physics is described.
-    pub source: &'static str,
-    /// Whether a drive in this scene can show it in the forms that are possible there.
-    pub shows_in: fn(&Scene<'_>) -> bool,
-}
+pub use hypothesis::{EffectParameter, Extension, Form, Hypothesis, Kind, LookAlike, Scene, Subsystem, is_elastic};
 
 /// Every effect that is tried, in the order of the chain.
 pub const CATALOGUE: &[&Hypothesis] = &[
@@ -261,90 +84,10 @@ pub fn short_name(parameter: Parameter) -> &'static str {
     key.rsplit_once('.').map_or(key, |(_, name)| name)
 }
 
-impl Hypothesis {
-    /// The plain effect that it extends, or itself.
-    #[must_use]
-    pub fn plainest(&self) -> &'static str {
-        self.extends.map_or(self.name, |extension| extension.plain)
-    }
-
-    /// Every parameter of its own table in the machine file. The laws of friction share the parameter of the bristles.
-    pub fn parameters(&self) -> impl Iterator<Item = Parameter> {
-        let table = format!("effects.{}.", self.name);
-        Parameter::ALL.iter().copied().filter(move |parameter| parameter.description().key.starts_with(&table))
-    }
-
-    /// Whether it acts slowly: the usual range of one of its times depends on the length of the recordings, so that the beginning
-    /// of a long recording does not show it.
-    #[must_use]
-    pub fn is_slow(&self, scene: &Scene<'_>) -> bool {
-        let short = Scene { duration_s: 0.0, ..scene.clone() };
-        self.effect_parameters().any(|effect_parameter| match effect_parameter.kind {
-            Kind::Shape(range, _) => range(scene) != range(&short),
-            _ => false,
-        })
-    }
-
-    /// All its forms, refined ones included.
-    pub fn every_form(&self) -> impl Iterator<Item = Form> {
-        self.forms.iter().chain(self.refined).copied()
-    }
-
-    /// The effect parameters of all its forms; one that several forms share comes once for each form.
-    pub fn effect_parameters(&self) -> impl Iterator<Item = &'static EffectParameter> {
-        self.every_form().flatten()
-    }
-
-    /// The forms that a scene can show.
-    pub fn forms_in<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Form> + 'a {
-        let hidden = |effect_parameter: &EffectParameter| matches!(effect_parameter.kind, Kind::Signed(size) if size(scene) == 0.0);
-        self.forms.iter().copied().filter(move |form| !form.iter().any(hidden))
-    }
-
-    /// The forms that refine one of its forms.
-    pub fn refined_from(&self, plain: Form) -> impl Iterator<Item = Form> {
-        let refines = move |form: &Form| {
-            let has = |effect_parameter: &EffectParameter| {
-                form.iter().any(|other| other.parameter == effect_parameter.parameter)
-            };
-            form.len() > plain.len() && plain.iter().all(has)
-        };
-        self.refined.iter().copied().filter(refines)
-    }
-
-    /// The forms that a refined one refines.
-    pub fn plain_of(&self, finer: Form) -> impl Iterator<Item = Form> {
-        let refines = move |plain: &Form| self.refined_from(plain).any(|form| std::ptr::eq(form, finer));
-        self.forms.iter().copied().filter(refines)
-    }
-
-    /// Whether a drive in this scene can show it at all, in any form.
-    #[must_use]
-    pub fn is_testable(&self, scene: &Scene<'_>) -> bool {
-        (self.shows_in)(scene) && self.forms_in(scene).next().is_some()
-    }
-
-    /// Whether the recordings come near the range in which it acts: a floor that no pressure reaches changes nothing.
-    #[must_use]
-    pub fn is_reached(&self, scene: &Scene<'_>) -> bool {
-        self.effect_parameters().all(|effect_parameter| match effect_parameter.kind {
-            Kind::Floor(range, _) => scene.lowest_pa < range(scene).1,
-            _ => true,
-        })
-    }
-
-    /// Whether the machine file already has it.
-    #[must_use]
-    pub fn is_on(&self, machine: &Machine<f64>) -> bool {
-        self.effect_parameters().any(|effect_parameter| match effect_parameter.neutral() {
-            Some(neutral) => (machine.get(effect_parameter.parameter) - neutral).abs() > 0.0,
-            None => false,
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use model_core::machine::Machine;
+    use recording::Signal;
     use test_press::press;
 
     use super::*;

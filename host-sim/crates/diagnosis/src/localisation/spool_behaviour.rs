@@ -38,7 +38,7 @@ pub enum Habit {
         modelled_per_s: f64,
     },
     /// It rests in two places at one command.
-    RestsApart {
+    RestsElsewhere {
         /// The command, V.
         command_v: f64,
         /// Recording and position (share of full travel) of each of the two rests.
@@ -217,7 +217,7 @@ fn rests_apart(spools: &[Spool<'_>]) -> Option<Habit> {
                 let of = |rest: &Rest<'_>| (rest.recording.to_owned(), rest.recorded);
                 let rests = [of(one), of(other)];
                 let command_v = f64::midpoint(one.command_v, other.command_v);
-                best = Some((unexplained, Habit::RestsApart { command_v, rests, modelled: modelled.abs() }));
+                best = Some((unexplained, Habit::RestsElsewhere { command_v, rests, modelled: modelled.abs() }));
             }
         }
     }
@@ -231,7 +231,7 @@ impl Habit {
         match self {
             Habit::Sticks { .. } => "hangs",
             Habit::BreaksAway { .. } => "breaks-away",
-            Habit::RestsApart { .. } => "rests-apart",
+            Habit::RestsElsewhere { .. } => "rests-apart",
         }
     }
 }
@@ -305,9 +305,13 @@ mod tests {
             spool("up", &time_s, &up, free_up.clone(), &free_up),
             spool("down", &time_s, &down, late, &free_down),
         ]);
-        let apart =
-            found.iter().find(|habit| matches!(habit, Habit::RestsApart { .. })).unwrap_or_else(|| panic!("{found:?}"));
-        let Habit::RestsApart { command_v, rests: [(one, here), (other, there)], .. } = apart else { unreachable!() };
+        let apart = found
+            .iter()
+            .find(|habit| matches!(habit, Habit::RestsElsewhere { .. }))
+            .unwrap_or_else(|| panic!("{found:?}"));
+        let Habit::RestsElsewhere { command_v, rests: [(one, here), (other, there)], .. } = apart else {
+            unreachable!()
+        };
         assert_eq!((one.as_str(), other.as_str()), ("up", "down"));
         // The command counts as held until it has changed by a hundredth of the commanded range.
         assert!(command_v.abs() < 1e-3 && here.abs() < 1e-3 && (there - 0.05).abs() < 1e-9, "{found:?}");

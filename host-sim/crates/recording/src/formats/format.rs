@@ -29,58 +29,65 @@ pub enum Format {
     Parquet,
 }
 
+/// What files of a format are known by.
+struct Row {
+    /// Endings of their names.
+    extensions: &'static [&'static str],
+    /// Their first bytes; a text begins with anything.
+    begins: &'static [u8],
+    /// What messages call one.
+    name: &'static str,
+    /// The feature of the program that reads and writes them; `None` for what is always included.
+    feature: Option<&'static str>,
+}
+
 impl Format {
+    const ALL: [Self; 4] = [Self::Mat, Self::Mdf4, Self::Parquet, Self::Text];
+
+    const fn row(self) -> Row {
+        let (extensions, begins, name, feature): (&[&str], &[u8], _, _) = match self {
+            Format::Text => (&["csv", "txt"], b"", "text", None),
+            Format::Mat => (&["mat"], b"MATLAB 5.0 MAT-file", "a MAT-file", Some("mat")),
+            Format::Mdf4 => (&["mf4"], b"MDF     ", "an MDF file", Some("mdf4")),
+            Format::Parquet => (&["parquet"], b"PAR1", "a Parquet file", Some("parquet")),
+        };
+        Row { extensions, begins, name, feature }
+    }
+
     /// The format whose files usually have this extension, in upper or lower case.
     #[must_use]
     pub fn of_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        match extension.as_str() {
-            "csv" | "txt" => Some(Format::Text),
-            "mat" => Some(Format::Mat),
-            "mf4" => Some(Format::Mdf4),
-            "parquet" => Some(Format::Parquet),
-            _ => None,
-        }
+        Self::ALL.into_iter().find(|format| format.row().extensions.contains(&extension.as_str()))
     }
 
     /// The format that the first bytes of a file show; text where they show none.
     pub(super) fn of_content(head: &[u8]) -> Result<Self, Unsupported> {
-        let starts = |magic: &[u8]| head.starts_with(magic);
-        if starts(b"MATLAB 5.0 MAT-file") {
-            Ok(Format::Mat)
-        } else if starts(b"MATLAB 7.3 MAT-file") || starts(b"\x89HDF\r\n\x1a\n") {
-            Err(Unsupported::Hdf5)
-        } else if starts(b"MDF     ") {
-            Ok(Format::Mdf4)
-        } else if starts(b"UnFinMF ") {
-            Err(Unsupported::Unfinished)
-        } else if starts(b"PAR1") {
-            Ok(Format::Parquet)
-        } else {
-            Ok(Format::Text)
+        for (begins, what) in UNSUPPORTED {
+            if head.starts_with(begins) {
+                return Err(what);
+            }
         }
+        Ok(Self::ALL.into_iter().find(|format| head.starts_with(format.row().begins)).unwrap_or(Format::Text))
     }
 
     /// The feature of the program that reads and writes this format; `None` for a format that is always included.
     #[must_use]
     pub fn feature(self) -> Option<&'static str> {
-        match self {
-            Format::Text => None,
-            Format::Mat => Some("mat"),
-            Format::Mdf4 => Some("mdf4"),
-            Format::Parquet => Some("parquet"),
-        }
+        self.row().feature
     }
 }
 
+/// Files that are not read, and why.
+const UNSUPPORTED: [(&[u8], Unsupported); 3] = [
+    (b"MATLAB 7.3 MAT-file", Unsupported::Hdf5),
+    (b"\x89HDF\r\n\x1a\n", Unsupported::Hdf5),
+    (b"UnFinMF ", Unsupported::Unfinished),
+];
+
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Format::Text => "text",
-            Format::Mat => "a MAT-file",
-            Format::Mdf4 => "an MDF file",
-            Format::Parquet => "a Parquet file",
-        })
+        f.write_str(self.row().name)
     }
 }
 
@@ -97,5 +104,11 @@ mod tests {
         assert_eq!(Format::of_content(b"\x89HDF\r\n\x1a\n"), Err(Unsupported::Hdf5));
         assert_eq!(Format::of_extension(Path::new("a.b/RUN.MF4")), Some(Format::Mdf4));
         assert_eq!(Format::of_extension(Path::new("mat")), None);
+    }
+
+    #[test]
+    fn enough_of_a_file_is_read_to_know_its_format() {
+        assert!(Format::ALL.iter().all(|format| format.row().begins.len() <= HEAD));
+        assert!(UNSUPPORTED.iter().all(|(begins, _)| begins.len() <= HEAD));
     }
 }

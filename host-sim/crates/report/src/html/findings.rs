@@ -108,13 +108,13 @@ fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
             }
         }
         @if let Some(jumps) = finding.jumps {
-            p { "Told by: " (wording::jumps(jumps)) "." }
+            p { "Evidence: " (wording::jumps(jumps)) "." }
         }
         @if rivals.is_empty() {
             p { "To be sure: " (finding.effect.separated_by) "." }
         } @else {
             table {
-                tr { th { "against" } th class="text" { "test with the channels at hand" } th { "apart" } th class="text" { "with one more sensor" } }
+                tr { th { "against" } th class="text" { "test with the channels at hand" } th { "distance" } th class="text" { "with one more sensor" } }
                 @for rival in rivals {
                     tr {
                         td { (rival.rival) }

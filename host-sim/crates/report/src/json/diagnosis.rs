@@ -92,7 +92,7 @@ fn spool(habit: &Habit) -> Value {
             "kind": kind, "sentence": sentence, "recording": recording, "at_s": digits(*at_s, 6),
             "speed_per_s": digits(*speed_per_s, 3), "modelled_per_s": digits(*modelled_per_s, 3),
         }),
-        Habit::RestsApart { command_v, rests, modelled } => {
+        Habit::RestsElsewhere { command_v, rests, modelled } => {
             let rests: Vec<Value> =
                 rests.iter().map(|(recording, at)| json!({ "recording": recording, "at": digits(*at, 3) })).collect();
             json!({

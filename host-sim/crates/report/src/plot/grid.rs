@@ -31,7 +31,7 @@ pub enum Cell {
     /// The row would be taken for the column.
     Alike,
     /// Distinguishable, by this number of standard deviations.
-    Apart(f64),
+    Distance(f64),
 }
 
 /// A square of cells with the same names down and across.
@@ -93,7 +93,7 @@ fn colour(cell: Cell) -> Option<RGBColor> {
         Cell::None => None,
         Cell::Own => Some(OWN),
         Cell::Alike => Some(ALIKE),
-        Cell::Apart(deviations) => {
+        Cell::Distance(deviations) => {
             let share = (deviations.max(1.0).log10() / 3.0).min(1.0);
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between two bytes")]
             let [red, green, blue] = [0, 1, 2].map(|channel| {
@@ -108,8 +108,8 @@ fn colour(cell: Cell) -> Option<RGBColor> {
 fn legend(area: &Area<'_>, top: i32) -> Drawn {
     let entries = [
         (Cell::Alike, "would pass for it"),
-        (Cell::Apart(3.0), "told apart, barely"),
-        (Cell::Apart(1e3), "by far"),
+        (Cell::Distance(3.0), "separated, barely"),
+        (Cell::Distance(1e3), "by far"),
         (Cell::None, "not seen"),
     ];
     let mut x = 16;
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn every_kind_of_cell_is_drawn_and_names_are_escaped() {
         let names = vec!["a<b".to_owned(), "c".to_owned()];
-        let cells = vec![vec![Cell::Own, Cell::Alike], vec![Cell::Apart(10.0), Cell::None]];
+        let cells = vec![vec![Cell::Own, Cell::Alike], vec![Cell::Distance(10.0), Cell::None]];
         let text = grid(&Grid { title: "t".into(), rows: "r".into(), columns: "c".into(), names, cells });
         assert!(text.contains("a&lt;b") && !text.contains("a<b"));
         let inside = text.matches("<rect").count();
