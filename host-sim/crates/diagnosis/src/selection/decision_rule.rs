@@ -187,6 +187,12 @@ pub(crate) const PULLED_TOO_FAR_QUANTILE: f64 = 3.09;
 /// differences in a hundred thousand are (4.2 of their standard deviations).
 pub(crate) const JUMP_BEYOND_NOISE: f64 = 6.0;
 
+/// Most rows that a jump takes. Source: chosen; a spool that takes longer glides.
+pub(crate) const JUMP_TAKES_ROWS: usize = 3;
+
+/// A jump measures the free spool where that moves between two rows by no more than so many times what it moves at the median jump. Source: chosen.
+pub(crate) const JUMP_MEASURES_WITHIN: f64 = 2.0;
+
 /// Fewest recordings in which the spool has to stick. Source: what happens in one is a disturbance.
 pub(crate) const FEWEST_STICKING: usize = 2;
 

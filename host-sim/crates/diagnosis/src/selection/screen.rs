@@ -136,6 +136,8 @@ impl EffectParameter {
 
 /// A point whose predicted gain is less than this share of the largest is not evaluated further.
 const WORTHWHILE: f64 = 0.02;
+/// A point that really gains more than this share of what its derivatives predict is taken; otherwise a shorter step is tried too.
+const NEARLY_LINEAR: f64 = 0.5;
 /// Most points that are evaluated further.
 const MOST_TRIED: usize = 18;
 
@@ -306,7 +308,7 @@ fn lead(
                 })
                 .collect();
             let lead = lead_at([predicted.shape.as_slice(), &values].concat())?;
-            let enough = lead.gain > 0.5 * predicted_gain;
+            let enough = lead.gain > NEARLY_LINEAR * predicted_gain;
             if best.as_ref().is_none_or(|known| known.gain < lead.gain) {
                 best = Some(lead);
             }

@@ -13,6 +13,8 @@ use crate::catalogue::Hypothesis;
 
 /// An effect whose predicted gain is less than this share of the best one's is not refitted.
 const PROMISING: f64 = 0.05;
+/// Another form of an effect is refitted as well if its predicted gain is more than this share of that of its best form.
+const NEAR_ITS_BEST_FORM: f64 = 0.8;
 
 /// Every candidate model of the beam with one more effect, at most `most` effects from each reference, in their promising forms.
 ///
@@ -116,7 +118,7 @@ fn promising(mut leads: Vec<Lead>, most: usize, least: f64) -> Vec<Lead> {
         let rank = names.iter().position(|known| *known == name);
         let mut same = kept.iter().filter(|(known, ..)| *known == name);
         // Another form of the same effect has to come near the best one.
-        let another = same.clone().all(|(.., predicted_gain)| lead.gain > 0.8 * predicted_gain);
+        let another = same.clone().all(|(.., predicted_gain)| lead.gain > NEAR_ITS_BEST_FORM * predicted_gain);
         let keep = same.all(|(_, known, _)| *known != form)
             && another
             && lead.gain > least.max(PROMISING * best)
@@ -131,6 +133,8 @@ fn promising(mut leads: Vec<Lead>, most: usize, least: f64) -> Vec<Lead> {
 
 /// A candidate model with this many times the misfit above noise of the best one is not worth another refit.
 const HOPELESS: f64 = 10.0;
+/// Misfit above noise that chance leaves for each effect parameter: its loss varies by about two.
+const BY_CHANCE: f64 = 2.0;
 
 /// The least misfit above noise of any of these.
 pub(crate) fn least_above<'c>(found: impl IntoIterator<Item = &'c Candidate>) -> f64 {
@@ -139,7 +143,7 @@ pub(crate) fn least_above<'c>(found: impl IntoIterator<Item = &'c Candidate>) ->
 
 /// Whether a candidate model may come near the best one, whose misfit above noise is the `least`.
 pub(crate) fn is_hopeful(candidate: &Candidate, least: f64) -> bool {
-    misfit_above_noise(&candidate.residuals) < HOPELESS * least.max(2.0 * candidate.effect_parameters() as f64)
+    misfit_above_noise(&candidate.residuals) < HOPELESS * least.max(BY_CHANCE * candidate.effect_parameters() as f64)
 }
 
 /// Refits of the extensions of refitted effects, from the best refit of each form; an extension that was refitted itself is only refitted again where

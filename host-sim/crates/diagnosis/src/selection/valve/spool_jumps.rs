@@ -11,12 +11,12 @@ use recording::Signal;
 use simulation::signal::noise::{median, resolution};
 
 use crate::selection::candidate::Candidate;
-use crate::selection::decision_rule::{FEWEST_JUMPS, JUMP_BEYOND_NOISE, JUMPS_ALIKE, JUMPS_ALIKE_SHARE};
+use crate::selection::decision_rule::{
+    FEWEST_JUMPS, JUMP_BEYOND_NOISE, JUMP_MEASURES_WITHIN, JUMP_TAKES_ROWS, JUMPS_ALIKE, JUMPS_ALIKE_SHARE,
+};
 
 /// Least noise of a row, of full travel, for a spool whose readings at rest are equal to the last bit.
 const LEAST_NOISE: f64 = 1e-5;
-/// Most rows that a jump takes.
-const LONGEST: usize = 3;
 /// Most rows on either side of a jump over which its two levels are averaged.
 const MOST_LEVEL: usize = 16;
 
@@ -58,7 +58,9 @@ fn jumps(spool: &JudgedSignal, noise: f64) -> Vec<Jump> {
     starts
         .zip(&moves)
         .zip(ends)
-        .filter(|((start, (first, last)), end)| *first >= start + 2 && *end >= last + 2 && last - first < LONGEST)
+        .filter(|((start, (first, last)), end)| {
+            *first >= start + 2 && *end >= last + 2 && last - first < JUMP_TAKES_ROWS
+        })
         .map(|((start, &(row, last)), end)| Jump {
             row,
             from: mean(&x[start.max(row.saturating_sub(MOST_LEVEL))..row]),
@@ -121,7 +123,7 @@ impl<'a> Sticking<'a> {
         let jumps = || all.iter().flat_map(|(_, jumps, _)| jumps).filter(|jump| is_alike(jump.length(), length));
         let usual = median(&mut jumps().map(unseen).collect::<Vec<f64>>());
         // Where the free spool moves far between two rows, a jump does not measure it.
-        let is_slow = |jump: &Jump| unseen(jump) <= 2.0 * usual;
+        let is_slow = |jump: &Jump| unseen(jump) <= JUMP_MEASURES_WITHIN * usual;
         let slow: Vec<f64> = jumps().filter(|jump| is_slow(jump)).map(|jump| unseen(jump).powi(2)).collect();
         let unseen = (slow.iter().sum::<f64>() / slow.len() as f64).sqrt();
         let recordings: Vec<(&Prepared, Vec<Jump>)> = all
