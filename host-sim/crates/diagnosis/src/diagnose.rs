@@ -246,8 +246,8 @@ impl<'a> Asked<'a> {
         };
         let Some(excerpt) = excerpt else { return search(trained) };
         let mut found = search(&mut excerpt.cases)?;
-        for set in [&mut found.base, &mut found.chosen] {
-            set.fit.starts = excerpt.starts_of_all(&set.fit.starts, trained.len());
+        for candidate in [&mut found.base, &mut found.chosen] {
+            candidate.fit.starts = excerpt.starts_of_all(&candidate.fit.starts, trained.len());
         }
         set_tolerances(&found.base.fit.machine, trained, &found.base.fit.starts)?;
         let references: Vec<&Prepared> = trained.iter().collect();
@@ -255,9 +255,9 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// Signals that a set still misses by more than noise.
-fn above_noise_by(set: &Candidate, training: &[&Prepared]) -> Result<Vec<Miss>, MachineError> {
-    let mut left = misses(&set.fit.machine, training.iter().copied().zip(set.fit.starts.iter().copied()))?;
+/// Signals that a candidate model still misses by more than noise.
+fn above_noise_by(candidate: &Candidate, training: &[&Prepared]) -> Result<Vec<Miss>, MachineError> {
+    let mut left = misses(&candidate.fit.machine, training.iter().copied().zip(candidate.fit.starts.iter().copied()))?;
     left.retain(Miss::is_above_noise);
     Ok(left)
 }

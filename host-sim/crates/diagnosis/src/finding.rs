@@ -32,8 +32,8 @@ pub(crate) fn finding(
 ) -> Finding {
     let all = &selection.chosen.effects;
     let round = selection.rounds.get(all.len() - 1).into_iter().flatten();
-    let sets: Vec<&Trial> = round.filter(|set| !set.has_any(vetoed)).collect();
-    let Odds { confidence, alternatives } = odds(chosen.effect, all, &sets);
+    let candidates: Vec<&Trial> = round.filter(|candidate| !candidate.has_any(vetoed)).collect();
+    let Odds { confidence, alternatives } = odds(chosen.effect, all, &candidates);
     let parameters = chosen
         .form
         .iter()
@@ -57,17 +57,17 @@ struct Odds {
 }
 
 /// The odds by what candidate models gain. One that differs in another effect as well says nothing about this one's alternatives.
-fn odds(effect: &'static Hypothesis, chosen: &[Chosen], sets: &[&Trial]) -> Odds {
-    let largest = sets.iter().map(|set| set.net).fold(0.0, f64::max);
-    let weight = |set: &Trial| (set.net - largest).exp();
+fn odds(effect: &'static Hypothesis, chosen: &[Chosen], candidates: &[&Trial]) -> Odds {
+    let largest = candidates.iter().map(|candidate| candidate.net).fold(0.0, f64::max);
+    let weight = |candidate: &Trial| (candidate.net - largest).exp();
     // No effect at all stands against them with a net gain of 0.
-    let total: f64 = sets.iter().map(|set| weight(set)).sum::<f64>() + (-largest).exp();
-    let with = sets.iter().filter(|set| set.has_any(&[effect]));
-    let confidence = with.map(|set| weight(set)).sum::<f64>() / total;
+    let total: f64 = candidates.iter().map(|candidate| weight(candidate)).sum::<f64>() + (-largest).exp();
+    let with = candidates.iter().filter(|candidate| candidate.has_any(&[effect]));
+    let confidence = with.map(|candidate| weight(candidate)).sum::<f64>() / total;
     let mut alternatives: Vec<(&'static Hypothesis, f64)> = Vec::new();
-    for set in sets {
-        let Some(other) = set.instead_of(effect, chosen) else { continue };
-        let probability = weight(set) / total;
+    for candidate in candidates {
+        let Some(other) = candidate.instead_of(effect, chosen) else { continue };
+        let probability = weight(candidate) / total;
         match alternatives.iter_mut().find(|(known, _)| known.name == other.name) {
             Some((_, sum)) => *sum += probability,
             None => alternatives.push((other, probability)),
@@ -94,17 +94,17 @@ mod tests {
         Trial { effect: effects[effects.len() - 1], effects, net, machine: press(&[]) }
     }
 
-    fn alternatives(of: &str, chosen: &[&str], sets: &[Trial]) -> Vec<&'static str> {
+    fn alternatives(of: &str, chosen: &[&str], candidates: &[Trial]) -> Vec<&'static str> {
         let chosen: Vec<Chosen> =
             chosen.iter().map(|name| Chosen { effect: effect(name), form: effect(name).forms[0] }).collect();
-        let sets: Vec<&Trial> = sets.iter().collect();
-        odds(effect(of), &chosen, &sets).alternatives.iter().map(|(effect, _)| effect.name).collect()
+        let candidates: Vec<&Trial> = candidates.iter().collect();
+        odds(effect(of), &chosen, &candidates).alternatives.iter().map(|(effect, _)| effect.name).collect()
     }
 
     #[test]
     fn an_alternative_belongs_to_the_effect_in_whose_place_it_may_stand() {
         let chosen = ["valve-hysteresis", "internal-leakage"];
-        let sets = [
+        let candidates = [
             set(&chosen, 100.0),
             set(&["spool-stiction", "internal-leakage"], 98.0),
             set(&["valve-hysteresis", "external-leakage"], 99.0),
@@ -112,22 +112,23 @@ mod tests {
             // Both are others: in whose place, nobody can say.
             set(&["spool-stiction", "external-leakage"], 99.5),
         ];
-        assert_eq!(alternatives("valve-hysteresis", &chosen, &sets), ["spool-stiction", "null-drift"]);
-        assert_eq!(alternatives("internal-leakage", &chosen, &sets), ["external-leakage"]);
+        assert_eq!(alternatives("valve-hysteresis", &chosen, &candidates), ["spool-stiction", "null-drift"]);
+        assert_eq!(alternatives("internal-leakage", &chosen, &candidates), ["external-leakage"]);
     }
 
     #[test]
     fn of_a_single_effect_every_other_that_is_likely_is_an_alternative() {
-        let sets = [set(&["coulomb-friction"], 50.0), set(&["stribeck-friction"], 49.0), set(&["end-stop"], 20.0)];
-        assert_eq!(alternatives("coulomb-friction", &["coulomb-friction"], &sets), ["stribeck-friction"]);
+        let candidates =
+            [set(&["coulomb-friction"], 50.0), set(&["stribeck-friction"], 49.0), set(&["end-stop"], 20.0)];
+        assert_eq!(alternatives("coulomb-friction", &["coulomb-friction"], &candidates), ["stribeck-friction"]);
     }
 
     #[test]
     fn probabilities_of_an_effect_and_what_stands_in_its_place_make_no_more_than_one() {
         let chosen = [Chosen { effect: effect("end-stop"), form: effect("end-stop").forms[0] }];
-        let sets = [set(&["end-stop"], 3.0), set(&["coulomb-friction"], 2.0)];
-        let sets: Vec<&Trial> = sets.iter().collect();
-        let Odds { confidence, alternatives } = odds(effect("end-stop"), &chosen, &sets);
+        let candidates = [set(&["end-stop"], 3.0), set(&["coulomb-friction"], 2.0)];
+        let candidates: Vec<&Trial> = candidates.iter().collect();
+        let Odds { confidence, alternatives } = odds(effect("end-stop"), &chosen, &candidates);
         // e³ and e² against 1.
         assert!(
             (confidence - 0.705).abs() < 1e-3 && (alternatives[0].1 - 0.259).abs() < 1e-3,

@@ -131,9 +131,10 @@ impl Course {
         near: f64,
         done: &(impl Fn(&str) + Sync),
     ) -> Result<Vec<(Candidate, f64)>, FitError> {
-        let far = |set: &Candidate| set.is_finished && set.worst_over_noise(question) > near;
-        let sets: Vec<&Candidate> = ranked.iter().map(|(set, _)| set).filter(|set| far(set)).collect();
-        let finer = of_each(&sets, |set| refined(question, set, done))?;
+        let far = |candidate: &Candidate| candidate.is_finished && candidate.worst_over_noise(question) > near;
+        let above_noise: Vec<&Candidate> =
+            ranked.iter().map(|(candidate, _)| candidate).filter(|candidate| far(candidate)).collect();
+        let finer = of_each(&above_noise, |candidate| refined(question, candidate, done))?;
         if finer.is_empty() {
             return Ok(ranked);
         }
@@ -185,13 +186,13 @@ impl Course {
         &mut self,
         question: &Question<'_>,
         over: &Candidate,
-        set: Candidate,
+        candidate: Candidate,
     ) -> Result<Option<Candidate>, FitError> {
-        if !self.is_likely(question, over, &set) || !self.is_accepted(question, &set)? {
+        if !self.is_likely(question, over, &candidate) || !self.is_accepted(question, &candidate)? {
             return Ok(None);
         }
-        let effects = set.effects.len();
-        let Some(rest) = reduced(question, &self.base, set, &self.joined)? else { return Ok(None) };
+        let effects = candidate.effects.len();
+        let Some(rest) = reduced(question, &self.base, candidate, &self.joined)? else { return Ok(None) };
         if rest.effects.len() < effects {
             if !self.is_likely(question, over, &rest) || !self.stands(question, &rest)? {
                 return Ok(None);
@@ -203,30 +204,30 @@ impl Course {
 
     /// Whether no other candidate model of as many effects is likelier by more than chance. One that cannot be accepted may still be the true one, so
     /// nothing less likely is taken in its place; an extension and its plainer effect count as the same.
-    fn is_likely(&self, question: &Question<'_>, over: &Candidate, set: &Candidate) -> bool {
-        let Some(round) = self.rounds.get(set.effects.len() - 1) else { return true };
-        let now = ranked(question, over, vec![set.clone()]);
-        is_likeliest(set, now.first().map(|(_, net)| *net), round)
+    fn is_likely(&self, question: &Question<'_>, over: &Candidate, candidate: &Candidate) -> bool {
+        let Some(round) = self.rounds.get(candidate.effects.len() - 1) else { return true };
+        let now = ranked(question, over, vec![candidate.clone()]);
+        is_likeliest(candidate, now.first().map(|(_, net)| *net), round)
     }
 
     /// Whether a candidate model may be accepted over the chosen one: each of its effects is plausible, and they are worth their effect parameters.
-    pub(crate) fn is_accepted(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
-        if !set.is_plausible(question.scene) || !accepts(question, &self.base, &self.chosen, set)? {
+    pub(crate) fn is_accepted(&mut self, question: &Question<'_>, candidate: &Candidate) -> Result<bool, FitError> {
+        if !candidate.is_plausible(question.scene) || !accepts(question, &self.base, &self.chosen, candidate)? {
             return Ok(false);
         }
-        if self.chosen.effects.is_empty() { self.stands(question, set) } else { Ok(true) }
+        if self.chosen.effects.is_empty() { self.stands(question, candidate) } else { Ok(true) }
     }
 
     /// Whether a candidate model is still worth its effect parameters after the base was refitted from its solution: its effects may only have led
     /// the base parameters to values that do as well without them.
-    fn stands(&mut self, question: &Question<'_>, set: &Candidate) -> Result<bool, FitError> {
-        let Some(plain) = Candidate::below(question, &set.fit, self.base.fit.loss)? else { return Ok(true) };
+    fn stands(&mut self, question: &Question<'_>, candidate: &Candidate) -> Result<bool, FitError> {
+        let Some(plain) = Candidate::below(question, &candidate.fit, self.base.fit.loss)? else { return Ok(true) };
         self.base = plain;
         // The chosen model has to be worth its effect parameters over the new base as well.
         if self.chosen.effects.is_empty() || !accepts(question, &self.base, &self.base, &self.chosen)? {
             self.chosen = self.base.clone();
         }
-        accepts(question, &self.base, &self.base, set)
+        accepts(question, &self.base, &self.base, candidate)
     }
 
     /// Whether the best candidate model explains enough.

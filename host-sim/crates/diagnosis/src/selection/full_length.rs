@@ -53,7 +53,7 @@ pub fn lengthened(
         // It is ranked against the other candidate models that were tried on the whole recordings.
         let mut of_its_size = others;
         of_its_size.extend([slow, selection.chosen, accepted.clone()]);
-        of_its_size.retain(|set| set.effects.len() == accepted.effects.len());
+        of_its_size.retain(|candidate| candidate.effects.len() == accepted.effects.len());
         selection.rounds.truncate(accepted.effects.len() - 1);
         selection.rounds.push(trials(&ranked(question, &selection.base, of_its_size)));
         selection.chosen = accepted;

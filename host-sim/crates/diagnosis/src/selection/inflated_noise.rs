@@ -44,8 +44,8 @@ impl InflatedNoise {
 }
 
 /// The recordings with the noise inflated to a candidate model's misfit: in every channel as large and as correlated as its residual.
-pub(crate) fn as_far_as(question: &Question<'_>, set: &Candidate) -> Result<Vec<Prepared>, MachineError> {
-    let left = left_by(question, &set.fit.machine, &set.fit.starts)?;
+pub(crate) fn as_far_as(question: &Question<'_>, candidate: &Candidate) -> Result<Vec<Prepared>, MachineError> {
+    let left = left_by(question, &candidate.fit.machine, &candidate.fit.starts)?;
     Ok(noisy(question, &spread(&left, samples_by_blocks)))
 }
 

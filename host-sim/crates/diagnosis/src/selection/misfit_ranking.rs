@@ -25,31 +25,34 @@ pub(crate) fn ranked_by_misfit(
     finished: Vec<(Candidate, f64)>,
     beside: Option<Candidate>,
 ) -> Result<Vec<(Candidate, f64)>, FitError> {
-    let sets = finished.iter().map(|(set, _)| set);
-    let best = sets.min_by(|a, b| misfit_above_noise(&a.residuals).total_cmp(&misfit_above_noise(&b.residuals)));
+    let candidates = finished.iter().map(|(candidate, _)| candidate);
+    let best = candidates.min_by(|a, b| misfit_above_noise(&a.residuals).total_cmp(&misfit_above_noise(&b.residuals)));
     let Some(best) = best.filter(|best| best.worst_over_noise(question) > MISFIT_RANKING_FROM) else {
         return Ok(finished);
     };
-    let possible = |set: &Candidate| set.is_possible(question.scene);
-    let beside = beside.filter(|one| possible(one) && finished.iter().all(|(set, _)| set.names() != one.names()));
-    let before: Vec<Candidate> = finished.iter().map(|(set, _)| set.clone()).chain(beside).collect();
-    let stays = |set: &Candidate| !set.is_pulled(question) && set.worst_over_noise(question) <= MISFIT_REFIT_STAYS;
+    let possible = |candidate: &Candidate| candidate.is_possible(question.scene);
+    let beside =
+        beside.filter(|one| possible(one) && finished.iter().all(|(candidate, _)| candidate.names() != one.names()));
+    let before: Vec<Candidate> = finished.iter().map(|(candidate, _)| candidate.clone()).chain(beside).collect();
+    let stays = |candidate: &Candidate| {
+        !candidate.is_pulled(question) && candidate.worst_over_noise(question) <= MISFIT_REFIT_STAYS
+    };
     if matches!(before.as_slice(), [only] if stays(only)) {
         return Ok(finished);
     }
     let training = as_far_as(question, best)?;
     let training: Vec<&Prepared> = training.iter().collect();
     let less = Question { training: &training, ..*question };
-    let refits: Vec<Candidate> = parallel::try_each(&before, |set| set.refitted_to(question, &less))?;
+    let refits: Vec<Candidate> = parallel::try_each(&before, |candidate| candidate.refitted_to(question, &less))?;
     let refits: Vec<Candidate> = refits.into_iter().filter(possible).collect();
     if refits.is_empty() {
         return Ok(finished);
     }
     let mut again = ranked_by(question, base, refits, samples_by_blocks);
     prefer_plain(base, &mut again);
-    for (set, _) in &mut again {
-        if let Some(as_it_was) = before.iter().find(|one| one.names() == set.names() && stays(one)) {
-            *set = as_it_was.clone();
+    for (candidate, _) in &mut again {
+        if let Some(as_it_was) = before.iter().find(|one| one.names() == candidate.names() && stays(one)) {
+            *candidate = as_it_was.clone();
         }
     }
     Ok(again)

@@ -22,8 +22,8 @@ pub struct Trial {
 
 impl Trial {
     /// Whether its effects are those of a candidate model.
-    pub(crate) fn is_of(&self, set: &Candidate) -> bool {
-        self.effects.len() == set.effects.len() && self.effects.iter().all(|own| set.has(own))
+    pub(crate) fn is_of(&self, candidate: &Candidate) -> bool {
+        self.effects.len() == candidate.effects.len() && self.effects.iter().all(|own| candidate.has(own))
     }
 
     /// The effect that it has in the place of one of the chosen ones; `None` where it also has that one, or where any other effect differs.

@@ -18,15 +18,15 @@ pub(super) const BEAM: usize = 2;
 
 /// Whether no other candidate model of a round is likelier than this one by more than chance. This one counts with its gain in that round or its gain
 /// `now`, whichever is larger.
-pub(crate) fn is_likeliest(set: &Candidate, now: Option<f64>, round: &[Trial]) -> bool {
+pub(crate) fn is_likeliest(candidate: &Candidate, now: Option<f64>, round: &[Trial]) -> bool {
     let plainest = |effects: &mut dyn Iterator<Item = &'static Hypothesis>| {
         let mut names: Vec<&str> = effects.map(Hypothesis::plainest).collect();
         names.sort_unstable();
         names
     };
-    let of_set = plainest(&mut set.effects.iter().map(|chosen| chosen.effect));
+    let of_candidate = plainest(&mut candidate.effects.iter().map(|chosen| chosen.effect));
     let (same, others): (Vec<&Trial>, Vec<&Trial>) =
-        round.iter().partition(|trial| plainest(&mut trial.effects.iter().copied()) == of_set);
+        round.iter().partition(|trial| plainest(&mut trial.effects.iter().copied()) == of_candidate);
     let nets = |trials: Vec<&Trial>| trials.into_iter().map(|trial| trial.net).fold(f64::NEG_INFINITY, f64::max);
     now.into_iter().fold(nets(same), f64::max) > nets(others) - LIKELIER_BY
 }
@@ -77,21 +77,21 @@ pub(crate) fn reduced(
 
 /// A candidate model in which each refined form goes back to its plain form, if it no longer explains most of the plain form's misfit now that other
 /// effects are beside it.
-fn unrefined(question: &Question<'_>, mut set: Candidate) -> Result<Candidate, FitError> {
-    if set.effects.len() < 2 {
-        return Ok(set);
+fn unrefined(question: &Question<'_>, mut candidate: Candidate) -> Result<Candidate, FitError> {
+    if candidate.effects.len() < 2 {
+        return Ok(candidate);
     }
-    for index in 0..set.effects.len() {
-        let Chosen { effect, form } = set.effects[index];
+    for index in 0..candidate.effects.len() {
+        let Chosen { effect, form } = candidate.effects[index];
         for form in effect.plain_of(form) {
-            let plain = set.instead(question, index, Chosen { effect, form }, &[])?;
-            if plain.is_possible(question.scene) && !is_earned(&plain, &set) {
-                set = plain;
+            let plain = candidate.instead(question, index, Chosen { effect, form }, &[])?;
+            if plain.is_possible(question.scene) && !is_earned(&plain, &candidate) {
+                candidate = plain;
                 break;
             }
         }
     }
-    Ok(set)
+    Ok(candidate)
 }
 
 /// Whether nothing is left that a further effect could explain: the base parameters of the best candidate model are at their nominal values within
@@ -106,8 +106,8 @@ pub(crate) fn explains_enough(question: &Question<'_>, base: &Candidate, best: &
 
 /// Candidate models of a round that are nearly as likely as a given one: less likely by no more than chance, or by no more than the error of its form
 /// may gain. `None` where the given one is not in the round.
-pub(super) fn rivals(set: &Candidate, ranked: Vec<(Candidate, f64)>) -> Option<Vec<Candidate>> {
-    let names = set.names();
+pub(super) fn rivals(candidate: &Candidate, ranked: Vec<(Candidate, f64)>) -> Option<Vec<Candidate>> {
+    let names = candidate.names();
     let net = ranked.iter().find(|(other, _)| other.names() == names).map(|(_, net)| *net)?;
     let is_near = |other: &(Candidate, f64)| {
         other.1 >= net - RIVAL_WITHIN.max(RIVAL_WITHIN_SHARE * net) && other.0.names() != names
@@ -164,10 +164,10 @@ pub(crate) fn candidates(ranked: Vec<(Candidate, f64)>) -> Vec<Candidate> {
 }
 
 /// The candidate models in their order, each refitted to the end.
-pub(super) fn to_the_end(question: &Question<'_>, sets: Vec<Candidate>) -> Result<Vec<Candidate>, FitError> {
+pub(super) fn to_the_end(question: &Question<'_>, candidates: Vec<Candidate>) -> Result<Vec<Candidate>, FitError> {
     let finished =
         |candidate: Candidate| if candidate.is_finished { Ok(candidate) } else { candidate.finished(question) };
-    parallel::try_each(sets, finished)
+    parallel::try_each(candidates, finished)
 }
 
 pub(crate) fn trials(ranked: &[(Candidate, f64)]) -> Vec<Trial> {

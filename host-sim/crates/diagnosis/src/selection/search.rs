@@ -27,13 +27,13 @@ pub(super) fn widened(
     most: usize,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Vec<Candidate>, FitError> {
-    let of_set = |from: &Candidate| -> Result<Vec<Candidate>, FitError> {
+    let of_candidate = |from: &Candidate| -> Result<Vec<Candidate>, FitError> {
         let open = open_to(question, from);
         let mut found = added(question, inflated, from, &open, most, done)?;
         found.extend(extensions(question, from, &open, &found, done)?);
         Ok(found)
     };
-    of_each(beam, of_set)
+    of_each(beam, of_candidate)
 }
 
 /// Refits of a candidate model with one more effect, from its own solution and, where that is pulled from the nominal values, from the model with
@@ -171,7 +171,7 @@ fn extensions(
 /// that has another cause: it is only kept where it explains most of the misfit.
 pub(super) fn refined(
     question: &Question<'_>,
-    set: &Candidate,
+    candidate: &Candidate,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Vec<Candidate>, FitError> {
     let finer = |(index, plain): (usize, &Chosen)| {
@@ -179,11 +179,11 @@ pub(super) fn refined(
         let forms = effect.refined_from(plain.form);
         forms.map(move |form| {
             done(effect.name);
-            set.instead(&question, index, Chosen { effect, form }, &[])?.unstuck(&question)
+            candidate.instead(&question, index, Chosen { effect, form }, &[])?.unstuck(&question)
         })
     };
-    let mut found: Vec<Candidate> = set.effects.iter().enumerate().flat_map(finer).collect::<Result<_, _>>()?;
-    found.retain(|finer| is_earned(set, finer));
+    let mut found: Vec<Candidate> = candidate.effects.iter().enumerate().flat_map(finer).collect::<Result<_, _>>()?;
+    found.retain(|finer| is_earned(candidate, finer));
     Ok(found)
 }
 
@@ -191,18 +191,18 @@ pub(super) fn refined(
 /// gain becomes visible.
 pub(super) fn enriched(
     question: &Question<'_>,
-    set: &Candidate,
+    candidate: &Candidate,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Vec<Candidate>, FitError> {
-    let Some((_, older)) = set.effects.split_last() else { return Ok(Vec::new()) };
-    let of_one = |plain: &Chosen| in_its_place(question, set, plain, question.hypotheses, &|_| false, done);
+    let Some((_, older)) = candidate.effects.split_last() else { return Ok(Vec::new()) };
+    let of_one = |plain: &Chosen| in_its_place(question, candidate, plain, question.hypotheses, &|_| false, done);
     of_each(older, of_one)
 }
 
 /// Refits of a candidate model with each extension of one of its effects in the place of that effect; known leads are left out.
 fn in_its_place(
     question: &Question<'_>,
-    set: &Candidate,
+    candidate: &Candidate,
     plain: &Chosen,
     open: &[&'static Hypothesis],
     known: &impl Fn(&Lead) -> bool,
@@ -213,7 +213,7 @@ fn in_its_place(
     if richer.is_empty() {
         return Ok(Vec::new());
     }
-    let reference = Reference::new(question, set)?;
+    let reference = Reference::new(question, candidate)?;
     let mut leads = reference.extensions(plain, &richer)?;
     leads.retain(|lead| !known(lead));
     refit_each(&leads, done, |lead| reference.with_extension(lead))

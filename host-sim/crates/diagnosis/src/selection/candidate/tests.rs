@@ -40,8 +40,8 @@ fn a_spring_that_begins_inside_the_stroke_is_no_stop_however_damped() {
         let stiffness = scene.full_force_n() / (share * machine.get(Parameter::Stroke));
         let values =
             [(Parameter::StopStiffness, stiffness), (Parameter::StopExtended, 0.24), (Parameter::StopDamping, damping)];
-        let set = accepted_alone("end-stop", &scene, &[], &machine.with(&values));
-        (set.is_possible(&scene), set.is_plausible(&scene))
+        let candidate = accepted_alone("end-stop", &scene, &[], &machine.with(&values));
+        (candidate.is_possible(&scene), candidate.is_plausible(&scene))
     };
     // The full force makes steel give by a ten-thousandth of the stroke, rubber by a hundredth.
     assert_eq!([1e-4, 1e-3, 1e-2].map(|share| stop(share, 1e3)), [(true, true); 3]);
@@ -56,10 +56,10 @@ fn a_small_stiction_that_hardly_jumps_is_the_form_of_the_play_beside_it() {
     let beside = |band: f64, kept: f64, width: f64| -> (bool, bool) {
         let effect_parameters =
             [(Parameter::StictionBand, band), (Parameter::StictionKept, kept), (Parameter::HysteresisWidth, width)];
-        let mut set = accepted_alone("spool-stiction", &scene, &[], &machine.with(&effect_parameters));
+        let mut candidate = accepted_alone("spool-stiction", &scene, &[], &machine.with(&effect_parameters));
         let play = CATALOGUE.iter().find(|effect| effect.name == "valve-hysteresis").unwrap();
-        set.effects.push(Chosen { effect: play, form: play.forms[0] });
-        (set.is_possible(&scene), set.is_plausible(&scene))
+        candidate.effects.push(Chosen { effect: play, form: play.forms[0] });
+        (candidate.is_possible(&scene), candidate.is_plausible(&scene))
     };
     // It may be the likeliest effect, but is not accepted.
     assert_eq!(beside(0.005, 0.9, 0.02), (true, false));
@@ -91,9 +91,9 @@ fn without_an_effect_a_base_parameter_has_what_that_had_of_it() {
     let question = Question { scene: &scene, base_parameters: &[load], hypotheses: &[], training: &training };
 
     let moved = machine.with(&[(Parameter::LoadForce, -59_500.0), (Parameter::LoadSpringForce, -60_000.0)]);
-    let set = accepted_alone("position-dependent-load", &scene, &[load], &moved);
+    let candidate = accepted_alone("position-dependent-load", &scene, &[load], &moved);
 
-    let without = set.without(&question, 0).unwrap();
+    let without = candidate.without(&question, 0).unwrap();
     let found = without.fit.machine;
     assert!((found.get(Parameter::LoadForce) - 500.0).abs() < 50.0, "{} N", found.get(Parameter::LoadForce));
     assert!(found.get(Parameter::LoadSpringForce) == 0.0 && without.effects.is_empty());

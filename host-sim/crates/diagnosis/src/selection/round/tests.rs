@@ -74,18 +74,20 @@ fn a_refined_form_goes_back_to_the_plain_one_where_that_does_as_well_beside_a_la
 #[test]
 fn a_set_enters_its_round_unless_a_better_fit_of_its_effects_is_there() {
     with_two(&[(P::CoulombFriction, 300.0)], ["internal-leakage", "coulomb-friction"], |question, base, both| {
-        let [(set, net)] = &ranked(question, base, vec![both.without(question, 0).unwrap()])[..] else { panic!() };
+        let [(candidate, net)] = &ranked(question, base, vec![both.without(question, 0).unwrap()])[..] else {
+            panic!()
+        };
         for (known, left) in [(net - 1.0, *net), (net + 1.0, net + 1.0)] {
-            let mut rounds = vec![vec![trial(set, known)]];
-            enter(question, base, &mut rounds, set);
+            let mut rounds = vec![vec![trial(candidate, known)]];
+            enter(question, base, &mut rounds, candidate);
             let nets: Vec<f64> = rounds[0].iter().map(|trial| trial.net).collect();
             assert_eq!(nets, [left]);
         }
         // A candidate model that gained little when its round was ranked is not likely now, unless its gain `now` says otherwise.
-        let round = [trial(&both.without(question, 1).unwrap(), 50.0), trial(set, 10.0)];
-        assert!(!is_likeliest(set, None, &round));
-        assert!(!is_likeliest(set, Some(40.0), &round));
-        assert!(is_likeliest(set, Some(49.0), &round));
+        let round = [trial(&both.without(question, 1).unwrap(), 50.0), trial(candidate, 10.0)];
+        assert!(!is_likeliest(candidate, None, &round));
+        assert!(!is_likeliest(candidate, Some(40.0), &round));
+        assert!(is_likeliest(candidate, Some(49.0), &round));
     });
 }
 
@@ -98,21 +100,26 @@ fn beside_a_curved_gain(effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Ca
         });
         let question = &Question { base_parameters: &free, ..*question };
         let base = Candidate::rough(question, None).unwrap();
-        let sets = effects.map(|name| added(question, &base, name, None));
-        seen(question, &base, ranked(question, &base, sets.to_vec()));
+        let candidates = effects.map(|name| added(question, &base, name, None));
+        seen(question, &base, ranked(question, &base, candidates.to_vec()));
     });
 }
 
 #[test]
 fn candidate_models_far_off_are_refitted_with_inflated_noise_and_pulled_less() {
-    beside_a_curved_gain(["coulomb-friction", "internal-leakage"], |question, base, sets| {
-        let before: Vec<Candidate> = sets.iter().map(|(set, _)| set.clone()).collect();
-        let after = ranked_by_misfit(question, base, sets, None).unwrap();
+    beside_a_curved_gain(["coulomb-friction", "internal-leakage"], |question, base, candidates| {
+        let before: Vec<Candidate> = candidates.iter().map(|(candidate, _)| candidate.clone()).collect();
+        let after = ranked_by_misfit(question, base, candidates, None).unwrap();
         assert_eq!(after.len(), before.len());
-        for (set, _) in &after {
-            let was = before.iter().find(|one| one.names() == set.names()).unwrap();
+        for (candidate, _) in &after {
+            let was = before.iter().find(|one| one.names() == candidate.names()).unwrap();
             assert!(was.worst_over_noise(question) > VALVE_FIRST_FROM, "{:?}", was.names());
-            assert!(set.pulled(question) < 0.5 * was.pulled(question), "{:?} {}", set.names(), set.pulled(question));
+            assert!(
+                candidate.pulled(question) < 0.5 * was.pulled(question),
+                "{:?} {}",
+                candidate.names(),
+                candidate.pulled(question)
+            );
         }
     });
 }
@@ -121,12 +128,12 @@ fn candidate_models_far_off_are_refitted_with_inflated_noise_and_pulled_less() {
 fn a_candidate_model_at_its_noise_keeps_its_refit() {
     with_press(&[(P::CoulombFriction, 300.0)], |question| {
         let base = Candidate::rough(question, None).unwrap();
-        let sets = ["coulomb-friction", "internal-leakage"].map(|name| added(question, &base, name, None));
-        let sets = ranked(question, &base, sets.to_vec());
-        let told = |sets: &[(Candidate, f64)]| -> Vec<_> {
-            sets.iter().map(|(set, net)| (set.names(), *net, set.fit.machine)).collect()
+        let candidates = ["coulomb-friction", "internal-leakage"].map(|name| added(question, &base, name, None));
+        let candidates = ranked(question, &base, candidates.to_vec());
+        let told = |candidates: &[(Candidate, f64)]| -> Vec<_> {
+            candidates.iter().map(|(candidate, net)| (candidate.names(), *net, candidate.fit.machine)).collect()
         };
-        let before = told(&sets);
-        assert_eq!(told(&ranked_by_misfit(question, &base, sets, None).unwrap()), before);
+        let before = told(&candidates);
+        assert_eq!(told(&ranked_by_misfit(question, &base, candidates, None).unwrap()), before);
     });
 }

@@ -20,9 +20,9 @@ pub(crate) fn with_press(unknown: &[(P, f64)], seen: impl FnOnce(&Question<'_>))
 }
 
 /// A candidate model with one more effect, in the form that begins with a given effect parameter, refitted.
-pub(crate) fn added(question: &Question<'_>, set: &Candidate, name: &str, first: Option<P>) -> Candidate {
+pub(crate) fn added(question: &Question<'_>, candidate: &Candidate, name: &str, first: Option<P>) -> Candidate {
     let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
-    let reference = Reference::new(question, set).unwrap();
+    let reference = Reference::new(question, candidate).unwrap();
     let leads = reference.leads(&[effect]).unwrap();
     let is_asked = |lead: &&Lead| first.is_none_or(|first| lead.form[0].parameter == first);
     let lead = leads.iter().find(is_asked).unwrap();
@@ -39,7 +39,7 @@ fn an_extension_is_found_beside_what_was_added_later() {
         (P::ReturnResistance, 1.5e13),
     ];
     with_press(&unknown, |question| {
-        let with = |set: &Candidate, name: &str| added(question, set, name, None);
+        let with = |candidate: &Candidate, name: &str| added(question, candidate, name, None);
         let base = Candidate::rough(question, None).unwrap();
         let friction = with(&base, "coulomb-friction");
         let both = with(&friction, "tank-back-pressure");
@@ -47,7 +47,9 @@ fn an_extension_is_found_beside_what_was_added_later() {
         let found = enriched(question, &both, &|_| ()).unwrap();
         let names: Vec<_> = found.iter().map(Candidate::names).collect();
         assert!(
-            found.iter().all(|set| set.names().contains(&"tank-back-pressure") && set.effects.len() == 2),
+            found
+                .iter()
+                .all(|candidate| candidate.names().contains(&"tank-back-pressure") && candidate.effects.len() == 2),
             "{names:?}"
         );
         let best = found.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss)).unwrap().finished(question).unwrap();

@@ -160,9 +160,9 @@ impl<'a> Sticking<'a> {
     }
 
     /// How much further ahead the free spool is according to these residuals, with all free values of the fit adapted to it.
-    pub(crate) fn further(&self, set: &Candidate, freed: &[&Prepared]) -> Result<f64, FitError> {
-        let Some(sensitivity) = Sensitivity::at(&set.fit, freed)? else { return Ok(0.0) };
-        let mut there = sensitivity.simulated(&set.fit.machine)?;
+    pub(crate) fn further(&self, candidate: &Candidate, freed: &[&Prepared]) -> Result<f64, FitError> {
+        let Some(sensitivity) = Sensitivity::at(&candidate.fit, freed)? else { return Ok(0.0) };
+        let mut there = sensitivity.simulated(&candidate.fit.machine)?;
         // A recording that is further ahead acts on the residual like a simulation that is less far ahead. The spool is the only channel.
         for ((_, jumps), there) in self.recordings.iter().zip(&mut there) {
             for jump in jumps {

@@ -29,7 +29,7 @@ const AHEAD: [f64; 5] = [0.5, 0.75, 1.1, 1.6, 2.6];
 
 /// A candidate model of the effects beside stiction, refitted to the free spool.
 struct Beside {
-    set: Candidate,
+    candidate: Candidate,
     /// How far the free spool is ahead.
     ahead: f64,
     left_out: Residuals,
@@ -63,15 +63,15 @@ impl Search<'_, '_> {
     }
 
     /// A candidate model, refitted together with the distance that the free spool is ahead.
-    fn settled(&self, mut set: Candidate, mut ahead: f64) -> Result<Beside, FitError> {
+    fn settled(&self, mut candidate: Candidate, mut ahead: f64) -> Result<Beside, FitError> {
         /// Newton steps, at most.
         const STEPS: usize = 12;
         for _ in 0..STEPS {
             let further;
-            (set, further) = self.at(ahead, |question| {
-                let set = set.finished(question)?;
-                let further = self.sticking.further(&set, question.training)?;
-                Ok((set, further))
+            (candidate, further) = self.at(ahead, |question| {
+                let candidate = candidate.finished(question)?;
+                let further = self.sticking.further(&candidate, question.training)?;
+                Ok((candidate, further))
             })?;
             let next = (ahead + further.clamp(-0.5 * ahead, ahead)).max(self.least());
             let is_there = (next - ahead).abs() < 2e-3 * ahead;
@@ -81,9 +81,9 @@ impl Search<'_, '_> {
             }
         }
         self.at(ahead, |question| {
-            let set = set.finished(question)?;
-            let left_out = set.left_out(question)?;
-            Ok(Beside { set, ahead, left_out })
+            let candidate = candidate.finished(question)?;
+            let left_out = candidate.left_out(question)?;
+            Ok(Beside { candidate, ahead, left_out })
         })
     }
 
@@ -118,22 +118,23 @@ impl Search<'_, '_> {
     /// A form, refitted from the start that leaves the smallest misfit.
     fn refitted(&self, starts: &[Start]) -> Result<Beside, FitError> {
         let rough = |Start { ahead, from, lead }: &Start| {
-            let set = self.at(*ahead, |question| Reference::new(question, from)?.with(lead))?;
-            Ok::<_, FitError>((*ahead, set))
+            let candidate = self.at(*ahead, |question| Reference::new(question, from)?.with(lead))?;
+            Ok::<_, FitError>((*ahead, candidate))
         };
-        let (ahead, set) = nearest(parallel::try_each(starts, rough)?);
-        self.settled(set, ahead)
+        let (ahead, candidate) = nearest(parallel::try_each(starts, rough)?);
+        self.settled(candidate, ahead)
     }
 
     /// Whether an effect is worth its effect parameters beside stiction.
     fn accepts(&self, plain: &Beside, with: &Beside) -> bool {
         let gained = Gained::of(&plain.left_out, &with.left_out, self.question.counts());
-        let straightened = straightened(self.question, &plain.set, &with.set);
-        with.set.is_plausible(self.question.scene)
-            && misfit_above_noise(&with.set.residuals)
-                < (1.0 - BESIDE_STICTION_EXPLAINS) * misfit_above_noise(&plain.set.residuals)
+        let straightened = straightened(self.question, &plain.candidate, &with.candidate);
+        with.candidate.is_plausible(self.question.scene)
+            && misfit_above_noise(&with.candidate.residuals)
+                < (1.0 - BESIDE_STICTION_EXPLAINS) * misfit_above_noise(&plain.candidate.residuals)
             && gained.all > BESIDE_STICTION_GAINS
-            && gained.all + straightened > gained.cost(with.set.effect_parameters()) + BESIDE_STICTION_BEYOND_PENALTY
+            && gained.all + straightened
+                > gained.cost(with.candidate.effect_parameters()) + BESIDE_STICTION_BEYOND_PENALTY
             && gained.repeats
     }
 }
@@ -152,12 +153,12 @@ fn nearest(all: Vec<Beginning>) -> Beginning {
 /// stiction, or there are too few jumps.
 pub(crate) fn confirms(
     question: &Question<'_>,
-    set: &Candidate,
+    candidate: &Candidate,
     effect: &Hypothesis,
     held_out: &[&Prepared],
 ) -> Result<Option<bool>, FitError> {
     let is_stiction = |chosen: &&Chosen| chosen.has(Parameter::StictionBand);
-    let Some(stiction) = set.effects.iter().find(is_stiction) else { return Ok(None) };
+    let Some(stiction) = candidate.effects.iter().find(is_stiction) else { return Ok(None) };
     let (Some(sticking), Some(held_out)) =
         (Sticking::of(question.training, FEWEST_STICKING), Sticking::of(held_out, 1))
     else {
@@ -166,17 +167,17 @@ pub(crate) fn confirms(
     if effect.name == stiction.effect.name {
         return Ok(Some(is_alike(held_out.length, sticking.length)));
     }
-    let value = |parameter| set.fit.machine.get(parameter);
+    let value = |parameter| candidate.fit.machine.get(parameter);
     let ahead = 0.5 * value(Parameter::StictionBand) * (1.0 + value(Parameter::StictionKept));
     let search = Search { question, sticking, effects: Vec::new() };
     let refitted = |keeps: &(dyn Fn(&Hypothesis) -> bool + Sync)| {
         let is_kept = |one: &Hypothesis| {
             one.subsystem == stiction.effect.subsystem && one.name != stiction.effect.name && keeps(one)
         };
-        let beside = search.settled(search.at(ahead, |question| set.only(question, is_kept))?, ahead)?;
+        let beside = search.settled(search.at(ahead, |question| candidate.only(question, is_kept))?, ahead)?;
         let freed = held_out.freed(beside.ahead);
         let cases = freed.iter().map(|case| (case, StartState::default()));
-        softened_all(&beside.set.fit.machine, cases).map_err(FitError::from)
+        softened_all(&beside.candidate.fit.machine, cases).map_err(FitError::from)
     };
     let (without, with) = rayon::join(|| refitted(&|one| one.name != effect.name), || refitted(&|_| true));
     let gained = Gained::of(&without?, &with?, question.counts());
@@ -209,19 +210,19 @@ pub(crate) fn stuck(
         if effect_parameters.iter().any(|(parameter, value)| *value > parameter.description().max) {
             return None;
         }
-        let mut set = beside.set.clone();
+        let mut candidate = beside.candidate.clone();
         for (parameter, value) in effect_parameters {
-            set.fit.machine.set(parameter, value);
-            set.jumps.push((parameter, value));
+            candidate.fit.machine.set(parameter, value);
+            candidate.jumps.push((parameter, value));
         }
-        set.effects.push(stiction);
-        Some(set)
+        candidate.effects.push(stiction);
+        Some(candidate)
     };
-    let ranked = ranked(question, &plain.set, tried.iter().map(|beside| beside.set.clone()).collect());
+    let ranked = ranked(question, &plain.candidate, tried.iter().map(|beside| beside.candidate.clone()).collect());
     // Of each effect only the best form is in the ranking.
-    let beside = |set: &Candidate| tried.iter().find(|beside| beside.set.newest() == set.newest());
+    let beside = |candidate: &Candidate| tried.iter().find(|beside| beside.candidate.newest() == candidate.newest());
     let best = ranked.first().and_then(|(best, _)| beside(best)).filter(|best| search.accepts(&plain, best));
-    let Some(best) = best else { return Ok(with_stiction(&plain).map(|set| (set, Vec::new()))) };
-    let told = |(set, net): &(Candidate, f64)| Some(trial(&with_stiction(beside(set)?)?, *net));
-    Ok(with_stiction(best).map(|set| (set, ranked.iter().filter_map(told).collect())))
+    let Some(best) = best else { return Ok(with_stiction(&plain).map(|candidate| (candidate, Vec::new()))) };
+    let told = |(candidate, net): &(Candidate, f64)| Some(trial(&with_stiction(beside(candidate)?)?, *net));
+    Ok(with_stiction(best).map(|candidate| (candidate, ranked.iter().filter_map(told).collect())))
 }

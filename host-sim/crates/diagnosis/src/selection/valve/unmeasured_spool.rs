@@ -38,15 +38,17 @@ fn is_seen(question: &Question<'_>) -> bool {
 
 /// A candidate model with a play added, refitted from several widths, both from its own solution and from the nominal machine: a play moves the end
 /// of every stroke, so that derivatives at zero play say little about it. Empty where a sensor measures the spool, or the model already has a play.
-fn played(question: &Question<'_>, set: &Candidate) -> Result<Vec<Candidate>, FitError> {
+fn played(question: &Question<'_>, candidate: &Candidate) -> Result<Vec<Candidate>, FitError> {
     let play = question.form_with(&[Parameter::HysteresisWidth, Parameter::HysteresisSpread]);
-    let Some(play) = play.filter(|play| !is_seen(question) && !set.has(play.effect)) else { return Ok(Vec::new()) };
-    let effects = [set.effects.as_slice(), &[play]].concat();
+    let Some(play) = play.filter(|play| !is_seen(question) && !candidate.has(play.effect)) else {
+        return Ok(Vec::new());
+    };
+    let effects = [candidate.effects.as_slice(), &[play]].concat();
     let refitted = |(near, width)| {
         let values = [(Parameter::HysteresisWidth, width)];
-        Candidate::given(question, effects.clone(), set.jumps.clone(), near, &values)
+        Candidate::given(question, effects.clone(), candidate.jumps.clone(), near, &values)
     };
-    let starts = [None, Some(&set.fit)].into_iter().flat_map(|near| WIDTHS.map(|width| (near, width)));
+    let starts = [None, Some(&candidate.fit)].into_iter().flat_map(|near| WIDTHS.map(|width| (near, width)));
     parallel::try_each(starts, refitted)
 }
 
@@ -119,12 +121,12 @@ impl Selection {
         let following = if has(&is_play) {
             Some(self.chosen.clone())
         } else {
-            let set = if has(&is_stiction) {
+            let candidate = if has(&is_stiction) {
                 &self.chosen.only(question, |effect| effect.name != stiction.effect.name)?
             } else {
                 &self.chosen
             };
-            played(question, set)?.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss))
+            played(question, candidate)?.into_iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss))
         };
         let Some(following) = following else { return Ok(()) };
         // At the sensors' own noise, the residual of the jumps would pull the base parameters far from their nominal values.
@@ -146,10 +148,12 @@ impl Selection {
         };
         let others = following.effects.iter().copied().filter(|one| !(is_alone && is_play(one)));
         let effects: Vec<Chosen> = others.chain([stiction]).collect();
-        let sets = nearest(question, &less, &following, &effects, &tries)?;
-        let ranked = ranked_by(question, &self.base, sets, samples_by_blocks);
-        let may_be = |(set, net): &(Candidate, f64)| {
-            *net > UNMEASURED_SPOOL_GAINS && set.effects.len() <= MOST_EFFECTS && set.is_plausible(question.scene)
+        let candidates = nearest(question, &less, &following, &effects, &tries)?;
+        let ranked = ranked_by(question, &self.base, candidates, samples_by_blocks);
+        let may_be = |(candidate, net): &(Candidate, f64)| {
+            *net > UNMEASURED_SPOOL_GAINS
+                && candidate.effects.len() <= MOST_EFFECTS
+                && candidate.is_plausible(question.scene)
         };
         let Some((best, _)) = ranked.into_iter().find(may_be) else { return Ok(()) };
         let (chosen, rounds) = (self.chosen.clone(), self.rounds.clone());
@@ -157,9 +161,9 @@ impl Selection {
         self.rounds.truncate(best.effects.len());
         self.rounds.resize(best.effects.len(), Vec::new());
         if let Some(last) = self.rounds.last_mut() {
-            last.retain(|set| !set.is_of(&best));
+            last.retain(|candidate| !candidate.is_of(&best));
             // Its net gain is that of the best one without jumps in free run, plus the evidence for jumps in the position.
-            let without = last.iter().map(|set| set.net).fold(0.0, f64::max);
+            let without = last.iter().map(|candidate| candidate.net).fold(0.0, f64::max);
             last.insert(0, trial(&best, without + jump_spacing.evidence));
         }
         self.chosen = best;

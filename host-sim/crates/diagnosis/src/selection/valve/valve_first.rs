@@ -100,11 +100,11 @@ fn with_noise_of_spool(mut case: Prepared, machine: &Machine<f64>) -> Result<Pre
 /// model.
 pub(crate) fn gains_on_own_side(
     question: &Question<'_>,
-    set: &Candidate,
+    candidate: &Candidate,
     effect: &Hypothesis,
     held_out: &[&Prepared],
 ) -> Result<bool, FitError> {
-    let (side, machine) = (Side::of_effect(effect), &set.fit.machine);
+    let (side, machine) = (Side::of_effect(effect), &candidate.fit.machine);
     let (Some(training), Some(held_out)) = (followed(question.training, machine)?, followed(held_out, machine)?) else {
         return Ok(false);
     };
@@ -115,13 +115,15 @@ pub(crate) fn gains_on_own_side(
     let own =
         Question { scene: question.scene, base_parameters: &base_parameters, hypotheses: &[], training: &training };
     if side == Side::Valve
-        && let Some(told) = super::stiction::confirms(&own, set, effect, &held_out)?
+        && let Some(told) = super::stiction::confirms(&own, candidate, effect, &held_out)?
     {
         return Ok(told);
     }
     let of_side = |one: &Hypothesis| Side::of_effect(one) == side;
-    let (with, without) =
-        rayon::join(|| set.only(&own, of_side), || set.only(&own, |one| of_side(one) && one.name != effect.name));
+    let (with, without) = rayon::join(
+        || candidate.only(&own, of_side),
+        || candidate.only(&own, |one| of_side(one) && one.name != effect.name),
+    );
     let (with, without) = (with?, without?);
     Ok(with.is_plausible(own.scene) && confirm(&without.fit.machine, &with.fit.machine, &held_out)?.gains())
 }
@@ -186,15 +188,15 @@ fn joined(
         .collect();
     let few = pairs.into_iter().filter(|(valve, below)| valve.effects.len() + below.effects.len() <= MOST_EFFECTS);
     let together = |(valve, below): (&Candidate, &Candidate)| below.beside(question, valve);
-    let mut sets: Vec<Candidate> = parallel::try_each(few, together)?;
-    let exchanged = sets.first().map(|found| misread(question, found)).transpose()?.flatten();
+    let mut candidates: Vec<Candidate> = parallel::try_each(few, together)?;
+    let exchanged = candidates.first().map(|found| misread(question, found)).transpose()?.flatten();
     if let Some(other) = exchanged.clone() {
         // Of the effects, only those that the valve's side chose may become superfluous by the exchange: the others stay.
         let stay = other.effects.iter().filter(|chosen| !valve.chosen.has(chosen.effect));
         let stay: Vec<&str> = stay.map(|chosen| chosen.effect.plainest()).collect();
-        sets.extend(reduced(question, base, other, &stay)?);
+        candidates.extend(reduced(question, base, other, &stay)?);
     }
-    ranked_by_misfit(question, base, finished(question, base, sets)?, exchanged)
+    ranked_by_misfit(question, base, finished(question, base, candidates)?, exchanged)
 }
 
 /// Puts into the last round the net gains of the candidate models that were refitted in the whole model; the others keep the distance behind the
@@ -202,28 +204,29 @@ fn joined(
 fn complete_last_round(rounds: &mut Vec<Vec<Trial>>, ranked: &[(Candidate, f64)], (chosen, net): (&Candidate, f64)) {
     rounds.truncate(chosen.effects.len());
     let Some(round) = rounds.last_mut() else { return };
-    let ranked: Vec<_> = ranked.iter().filter(|(set, _)| set.effects.len() == chosen.effects.len()).collect();
+    let ranked: Vec<_> =
+        ranked.iter().filter(|(candidate, _)| candidate.effects.len() == chosen.effects.len()).collect();
     match round.iter().find(|trial| trial.is_of(chosen)).map(|trial| net - trial.net) {
         Some(shift) => {
-            for set in round.iter_mut() {
-                set.net += shift;
+            for candidate in round.iter_mut() {
+                candidate.net += shift;
             }
         }
         // If neither side had tried the chosen one, the round has no distances to it.
         None => round.clear(),
     }
-    round.retain(|trial| !ranked.iter().any(|(set, _)| trial.is_of(set)));
-    round.extend(ranked.iter().map(|(set, net)| trial(set, *net)));
+    round.retain(|trial| !ranked.iter().any(|(candidate, _)| trial.is_of(candidate)));
+    round.extend(ranked.iter().map(|(candidate, net)| trial(candidate, *net)));
     round.sort_by(|a, b| b.net.total_cmp(&a.net));
 }
 
 /// The candidate model with a spool that reads o too much in the place of edges that lie 2·o further apart on one side, or the other way round: below
 /// the spool both have the same effect, and only the valve's own offset distinguishes them. `None` where it has neither.
-fn misread(question: &Question<'_>, set: &Candidate) -> Result<Option<Candidate>, FitError> {
-    let value = |parameter| set.fit.machine.get(parameter);
+fn misread(question: &Question<'_>, candidate: &Candidate) -> Result<Option<Candidate>, FitError> {
+    let value = |parameter| candidate.fit.machine.get(parameter);
     let (read, edges) = (Parameter::SpoolOffset, Parameter::DeadZoneDifference);
     let offset = value(Parameter::ValveOffset);
-    for (index, chosen) in set.effects.iter().enumerate() {
+    for (index, chosen) in candidate.effects.iter().enumerate() {
         let (to, size, offset) = if chosen.has(edges) {
             (read, 0.5 * value(edges), offset - 0.5 * value(edges))
         } else if chosen.has(read) {
@@ -231,14 +234,14 @@ fn misread(question: &Question<'_>, set: &Candidate) -> Result<Option<Candidate>
         } else {
             continue;
         };
-        let other = open_to(question, set).into_iter().find_map(|effect| {
+        let other = open_to(question, candidate).into_iter().find_map(|effect| {
             let form = effect
                 .forms_in(question.scene)
                 .find(|form| form.iter().any(|effect_parameter| effect_parameter.parameter == to))?;
             Some(Chosen { effect, form })
         });
         let Some(other) = other else { return Ok(None) };
-        return set.instead(question, index, other, &[(to, size), (Parameter::ValveOffset, offset)]).map(Some);
+        return candidate.instead(question, index, other, &[(to, size), (Parameter::ValveOffset, offset)]).map(Some);
     }
     Ok(None)
 }

@@ -79,7 +79,7 @@ fn a_spool_that_reads_too_much_and_edges_that_lie_apart_are_the_same_but_for_the
     let edges = of("dead-zone-asymmetry");
     let other = misread(&question, &edges).unwrap().unwrap();
     assert_eq!(other.names(), ["sensor-offset"]);
-    let value = |set: &Candidate, parameter| set.fit.machine.get(parameter);
+    let value = |candidate: &Candidate, parameter| candidate.fit.machine.get(parameter);
     assert!((value(&other, Parameter::SpoolOffset) - 0.015).abs() < 2e-4, "{}", value(&other, Parameter::SpoolOffset));
     assert!((value(&edges, Parameter::DeadZoneDifference) - 0.03).abs() < 4e-4);
     // Only the prior of the valve's offset distinguishes them: the spool that reads too much needs no offset.
@@ -236,8 +236,8 @@ fn jumps_tell_how_far_ahead_the_free_spool_is_however_long_the_recording_is() {
             let training: Vec<&Prepared> = freed.iter().collect();
             let question =
                 Question { scene: &scene, base_parameters: &[free], hypotheses: CATALOGUE, training: &training };
-            let set = Candidate::rough(&question, None).unwrap().finished(&question).unwrap();
-            sticking.further(&set, &training).unwrap()
+            let candidate = Candidate::rough(&question, None).unwrap().finished(&question).unwrap();
+            sticking.further(&candidate, &training).unwrap()
         };
         let (nearer, there) = (told(at - FURTHER), told(at));
         // A jump is seen up to one row after the spool broke away; meanwhile the free spool has moved on.
