@@ -108,7 +108,7 @@ fn the_page_tells_where_what_how_sure_and_how_to_take_it_to_the_controller_in_th
     let (value, deviation): (f64, f64) = (parameter[1].parse().unwrap(), parameter[2].parse().unwrap());
     assert!(value > 1.5e-12 && value < 2.5e-12 && deviation > 0.0 && deviation < 0.1 * value, "{value} ± {deviation}");
     let separated = section(&mut browser, "How sure", "th");
-    assert_eq!(separated[..4], ["against", "test with the channels at hand", "apart", "with one more sensor"]);
+    assert_eq!(separated[..4], ["against", "test with the channels at hand", "distance", "with one more sensor"]);
     let each = section(&mut browser, "Before and after", "details td:first-child");
     assert_eq!(each.iter().filter(|name| name.contains(".csv")).count(), 6, "{each:?}");
     // Correlations of each signal with itself and with the input.
