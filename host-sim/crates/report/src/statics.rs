@@ -179,3 +179,25 @@ pub fn drawing(statics: &Statics, input: &[f64], output: &[f64]) -> String {
         edges.chain(null).chain(fallen).map(|(label, at)| Mark { label: label.to_owned(), at }).collect();
     curve(&statics.recording, (&statics.input.header, input), (&statics.output.header, output), &marks)
 }
+
+#[cfg(test)]
+mod tests {
+    use identification::static_curve::{Columns, analyse};
+    use recording::StaticTable;
+
+    use super::*;
+
+    #[test]
+    fn what_belongs_to_the_meter_is_said_to() {
+        // Up and down, read by a meter that counts in steps of 0.8 from 6 on.
+        let input: Vec<f64> = (0..=800).map(|row| 10.0 * (f64::from(row) / 400.0 - 1.0).abs()).rev().collect();
+        let meter = |input: &f64| if 2.0 * input > 6.0 { (2.0 * input / 0.8).round() * 0.8 } else { 2.0 * input };
+        let output = input.iter().map(meter).collect();
+        let columns = vec![("I [mA]".to_owned(), input), ("Q [l/min]".to_owned(), output)];
+        let table = StaticTable::new("sweep.csv", columns);
+        let asked = Columns { input: "I".to_owned(), output: "Q".to_owned(), ..Columns::default() };
+        let found = analyse(&table, &asked).unwrap();
+        assert!(text(&found).contains("a staircase of the meter, not of the valve"), "{}", text(&found));
+        assert!(document(&found)["statics"]["remarks"].to_string().contains("staircase of the meter"));
+    }
+}

@@ -264,6 +264,56 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_doubt_about_a_unit_says_what_would_do() {
+        let unit = |symbol| Unit::parse(symbol).unwrap();
+        let current = |low, high, closed_at_ma| {
+            let header = "command [mA]".to_owned();
+            let command = CommandRange { header, unit: unit("mA"), low, high, opening: 2.0 };
+            unit_doubt(&UnitDoubt::Current { command, closed_at_ma })
+        };
+        let live = current(4.0, 20.0, Some(12.0));
+        for part in
+            ["from 4.00 mA to 20.0 mA", "to 200 %", "command = { column = \"command [mA]\", zero = 12, full = 0.8 }"]
+        {
+            assert!(live.contains(part), "{part}: {live}");
+        }
+        assert!(current(-20.0, 20.0, None).contains("zero = 0, full = 2 }"));
+        let travel = unit_doubt(&UnitDoubt::SpoolTravel { unit: unit("mA"), share: 0.5 });
+        assert!(travel.contains("0.50 times as far") && travel.contains("count in mA"), "{travel}");
+        let beyond = |signal, now, high, bound, fitting| {
+            unit_doubt(&UnitDoubt::Beyond { signal, unit: unit(now), high, bound, fitting: Some(unit(fitting)) })
+        };
+        let position = beyond(Signal::Position, "m", 200.0, Bound::Stroke, "mm");
+        assert!(position.contains("beyond the stroke of the machine file"), "{position}");
+        assert!(position.ends_with(" 200 mm would be possible"), "{position}");
+        let low = beyond(Signal::PressureA, "Pa", 36.0, Bound::FarBelowSupply, "bar");
+        assert!(low.contains("less than a hundredth of the supply pressure") && low.contains(" bar would be possible"));
+        let high = beyond(Signal::PressureA, "bar", 5e2, Bound::FarAboveSupply, "psi");
+        assert!(high.contains("1.5 times the supply pressure or more") && high.contains(" psi would be possible"));
+        let speed = unit_doubt(&UnitDoubt::Speed { share: 1e-3, fitting: Some((unit("ms"), 1.0)) });
+        assert!(
+            speed.starts_with("the rod goes 0.0010 times as fast as the valve, opened as it was, lets it"),
+            "{speed}"
+        );
+        assert!(speed.ends_with(" With times in ms, it would be 1.0"), "{speed}");
+    }
+
+    #[test]
+    fn advice_on_a_recording_says_what_to_do() {
+        for (advice, part) in [
+            (Advice::NeverOpens { by: Signal::Command }, "with this command the valve never leaves the dead zone"),
+            (Advice::DoesNotMove, "does not move"),
+            (Advice::OpensOneWay { by: Signal::Command, extending: true }, "opens to extend only"),
+            (Advice::MovesOneWay, "one way only"),
+            (Advice::LittleTravel, "little of its stroke"),
+            (Advice::NeverHolds { least_s: 0.3 }, "never holds for 0.3 s"),
+        ] {
+            let said = recording_advice(&advice);
+            assert!(said.contains(part), "{part}: {said}");
+        }
+    }
+
+    #[test]
     fn a_region_is_told_in_the_units_of_a_data_sheet() {
         let told = |condition, threshold| region(Some(Region { condition, threshold, share: 0.823, of_time: 0.214 }));
         assert_eq!(
