@@ -1,6 +1,6 @@
-//! Each effect, and the pump drive, against the oracle's own form of it in its textbook limit.
+//! Each effect, what an installed drive has beside the paper's model, and the pump drive, against the oracle's own form of it in its textbook limit.
 
-use model_core::machine::{Machine, Parameter as P, Tick};
+use model_core::machine::{BASE_FORMS, Machine, Parameter as P, Tick};
 use model_core::number::PerUnit;
 use recording::excitation::signals::Excitation;
 use system_tests::drives;
@@ -64,14 +64,14 @@ fn compare(real: &[Row], fixed: &[Row], truth: &[Row]) -> [Distance; 3] {
 }
 
 /// The largest error over the paper's signals and five of random steps.
-fn valve(machine: &Machine<f64>, effect: PlantEffect) -> [Distance; 3] {
+fn valve(machine: &Machine<f64>, effects: &[PlantEffect]) -> [Distance; 3] {
     let mut signals = vec![Excitation::paper_steps(4.0), Excitation::paper_steps(10.0), Excitation::paper_sweep()];
     signals.extend((1..=5).map(Excitation::random_steps));
     let mut worst = [Distance::default(); 3];
     for signal in signals {
         let volts = signal.sample(TICK.seconds());
         let initial = InitialState::at_rest(machine, 0.15);
-        let truth = oracle_with(machine, &[effect], TICK, &Commands::Valve(volts.clone()), &initial);
+        let truth = oracle_with(machine, effects, TICK, &Commands::Valve(volts.clone()), &initial);
         let real = core::<f64>(machine, TICK, &volts, &initial);
         let found = compare(&real, &core::<PerUnit>(machine, TICK, &volts, &initial), &truth);
         worst = std::array::from_fn(|index| worst[index].or(found[index]));
@@ -108,21 +108,25 @@ fn each_effect_and_the_pump_drive_follow_the_oracle() {
             (P::HoseCompliance, COMPLIANCE_M3_PER_PA, HOSES, Case::Effects, Case::Rounding),
             (P::CoulombFriction, FRICTION_N, FRICTION, Case::DryFriction, Case::DryFrictionRounding),
         ] {
-            let found = valve(&drive.machine.with(&[(parameter, value)]), effect);
+            let found = valve(&drive.machine.with(&[(parameter, value)]), &[effect]);
             add(drive.name, effect.name(), found, case, rounds);
         }
         let machine =
             drive.machine.with(&[(P::CoulombFriction, FRICTION_N), (P::PreslidingStiffness, STIFFNESS_N_PER_M)]);
-        add(drive.name, "... on bristles", valve(&machine, LUGRE), Case::DryFriction, Case::DryFrictionRounding);
+        add(drive.name, "... on bristles", valve(&machine, &[LUGRE]), Case::DryFriction, Case::DryFrictionRounding);
         let machine = drive.machine.with(&[
             (P::StopExtended, STOP_M),
             (P::StopStiffness, STOP_N_PER_M),
             (P::StopDamping, STOP_N_S_PER_M),
         ]);
-        add(drive.name, STOP.name(), valve(&machine, STOP), Case::Stop, Case::StopRounding);
+        add(drive.name, STOP.name(), valve(&machine, &[STOP]), Case::Stop, Case::StopRounding);
+        for form in BASE_FORMS {
+            let found = valve(&drive.machine.with(form.values), &[]);
+            add(drive.name, form.name, found, Case::Effects, Case::Rounding);
+        }
         let machine =
             drive.machine.with(&[(P::CavitationFloor, FLOOR_PA), (P::LoadForce, PULL_N), (P::ViscousFriction, 5.0e3)]);
-        add(drive.name, BOILING.name(), valve(&machine, BOILING), Case::Void, Case::VoidRounding);
+        add(drive.name, BOILING.name(), valve(&machine, &[BOILING]), Case::Void, Case::VoidRounding);
     }
     let machine = drives::pump();
     let loaded = machine.with(&[(P::LoadForce, -4e3)]);

@@ -203,7 +203,7 @@ fn every_table_that_the_catalogue_shows_is_read_by_the_tool_and_switches_its_eff
         let table = table(effect, &scene(&file));
         let read = machine_file::read_text("shown.toml", &format!("{preset}\n{table}"))
             .unwrap_or_else(|error| panic!("{table}{error}"));
-        assert!(read.effects.contains(effect.name) && effect.is_on(&read.machine), "{table}");
+        assert!(read.effects.contains(effect.name) && effect.is_on(&read.machine, &[]), "{table}");
     }
 }
 

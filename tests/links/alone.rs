@@ -41,7 +41,7 @@ fn chain_and_links_agree<N: Scalar<Real = f64>>(machine: &Machine<f64>, tick: Ti
         assert_eq!(followed, chain);
 
         let alone = (&mut chambers_alone, &mut rest_alone, &mut voids_alone);
-        drive.chambers().step(alone.0, alone.1, alone.2, seen.flows, seen.velocity, seen.position);
+        drive.chambers().step(alone.0, alone.1, alone.2, seen.flows, seen.velocity, (seen.midway, seen.position));
         let chambers = (chain.chambers, chain.rest, chain.voids);
         assert_eq!((chambers_alone, rest_alone, voids_alone), chambers, "the chambers alone");
 

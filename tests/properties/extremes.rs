@@ -116,7 +116,8 @@ proptest! {
         let mut state = any_state(&drive, seed);
         drive.valve().unwrap().step(&mut state.valve, command);
         let _ = drive.flows(spool, PumpDrive { speed: command, direction: 1 }, ChamberState { a, b });
-        drive.chambers().step(&mut state.chambers, &mut state.rest, &mut state.voids, Flows { a: flow_a, b: flow_b }, speed, b);
+        let before = state.chambers;
+        drive.chambers().step(&mut state.chambers, &mut state.rest, &mut state.voids, Flows { a: flow_a, b: flow_b }, speed, (before, b));
         let position = <PerUnit as Number>::Travel::from_bits(position);
         let [bristles, pressed, viscosity, _] = others;
         let mut motion = MotionState { velocity, position, bristles };

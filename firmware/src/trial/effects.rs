@@ -1,10 +1,14 @@
-//! The effects of a trial: those of the table, in its trial forms, and the correction table.
+//! The forms of a trial: what an installed drive has, the effects of the table in their trial forms, and the correction table.
 
 use model_core::effects::Effect;
-use model_core::machine::{Form, Machine, Parameter as P};
+use model_core::machine::{BASE_FORMS, Form, Machine, Parameter as P};
 
-/// Every form of every effect, in the order of the chain, then those of the correction table.
+/// Every form of every effect, in the order of the chain, then those of the correction table and of the base parameters.
 pub fn forms() -> impl Iterator<Item = &'static Form> {
+    effect_forms().chain(BASE_FORMS)
+}
+
+fn effect_forms() -> impl Iterator<Item = &'static Form> {
     Effect::ALL.iter().flat_map(|effect| effect.trial()).chain(CORRECTION_TABLE)
 }
 
@@ -84,7 +88,7 @@ mod tests {
         let of = |parameter: P| Some(parameter.description().key.strip_prefix("effects.")?.split_once('.')?.0);
         let known: BTreeSet<&str> = P::ALL.iter().filter_map(|&parameter| of(parameter)).collect();
         let mut tried = BTreeSet::new();
-        for form in forms() {
+        for form in effect_forms() {
             let own = form.name.split(',').next();
             assert!(form.values.iter().all(|&(parameter, _)| of(parameter) == own), "{form:?}");
             tried.extend(own);

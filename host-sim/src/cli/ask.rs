@@ -18,6 +18,7 @@ pub(crate) fn ask(answers: &mut Answers) -> Result<(), CliError> {
             Need::Always | Need::OfValve | Need::MakesPump => {
                 (format!("{} ({})", question.what, question.example), false)
             }
+            Need::OneOf(_) => (format!("{} ({}; empty: not known)", question.what, question.example), true),
             Need::May(otherwise) | Need::MayOfValve(otherwise) => {
                 (format!("{} ({}; empty: {otherwise})", question.what, question.example), true)
             }

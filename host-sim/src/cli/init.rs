@@ -75,6 +75,9 @@ impl clap::Args for AnswerArguments {
                 Need::Always => format!("{} [required]", question.what),
                 Need::OfValve => format!("{} [required for a valve]", question.what),
                 Need::MakesPump => format!("{} [required for a pump]", question.what),
+                Need::OneOf(flags) => {
+                    format!("{} [one of {} is required for a valve]", question.what, flags.join(", "))
+                }
                 Need::May(otherwise) | Need::MayOfValve(otherwise) => {
                     format!("{}; without it, {otherwise}", question.what)
                 }

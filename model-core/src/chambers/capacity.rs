@@ -2,7 +2,8 @@
 //!
 //! C = V/E0·(1 + E0·α·p0/p²) + hose with p = max(pressure, 0) + p0, p0 that of the atmosphere (free gas, isothermal), and
 //! V = V0 ± share·A·(y − stroke/2), not below 2 % of V0, nor so small that its pressure rise per tick at flow 1 leaves the format;
-//! in fixed point at most 8·V0. Taken at the tick's start: pressures and flows of a tick see one capacity.
+//! in fixed point at most 8·V0. Pressures and flows of a tick see one capacity: that of the position at its start, and of the pressures that its
+//! start predicts for its middle.
 //! Source: Merritt, *Hydraulic Control Systems*, 1967, 2.3; ISO/TR 10949 for the free gas.
 
 use crate::number::Number;
@@ -16,6 +17,8 @@ pub(crate) const LEAST_VOLUME: f64 = 0.02;
 pub(crate) struct Capacity<N: Number> {
     pub(crate) a: ChamberCapacity<N>,
     pub(crate) b: ChamberCapacity<N>,
+    /// Whether there is air, so that it depends on the pressures.
+    pub(crate) is_airy: bool,
     /// Pressure base over that of the atmosphere.
     pub(crate) per_atmosphere: N::Steep,
 }

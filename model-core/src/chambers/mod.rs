@@ -20,7 +20,7 @@
 //!
 //! Signs: flow a > 0 fills A, flow b > 0 empties B; v > 0 extends, which makes room in A and reduces the room in B.
 //!
-//! With entrained air or volumes that follow the piston, ca and cb are those of the tick's start, see `capacity`.
+//! With entrained air or volumes that follow the piston, ca and cb are those of the tick, see `capacity`.
 
 pub(crate) mod capacity;
 pub mod cavitation;
@@ -117,8 +117,8 @@ impl<N: Number> ChamberEffects<N> {
 }
 
 impl<N: Number> Chambers<N> {
-    /// One tick with the mean flows (net of leakage), the mean velocity of that tick, and the position at its start in strokes. Exact:
-    /// the volume balance (11), at the capacity of the tick's start.
+    /// One tick with the mean flows (net of leakage), the mean velocity of that tick, the pressures halfway through it (see
+    /// [`Interfaces`](crate::drive::Interfaces)), and the position at its start in strokes. Exact: the volume balance (11), at the capacity there.
     ///
     /// `rest` is the rounding remainder of both pressures, for [`Number::accumulated`]: with it, a flow that raises a pressure by less than
     /// half a step of the format per tick still fills the chamber. `voids` grow where oil would have to pull, with `cavitation`.
@@ -130,15 +130,15 @@ impl<N: Number> Chambers<N> {
         voids: &mut Voids<N>,
         flows: Flows<N>,
         velocity: N,
-        position: N,
+        (midway, position): (ChamberState<N>, N),
     ) {
         if let Some(cavitation) = &self.effects.cavitation {
-            self.take(cavitation, state, rest, voids, (flows, velocity, position));
+            self.take(cavitation, state, rest, voids, (flows, velocity, midway, position));
             return;
         }
         match &self.effects.capacity {
             None => self.fill(state, rest, flows, velocity),
-            Some(capacity) => self.filled(capacity, *state, position).fill(state, rest, flows, velocity),
+            Some(capacity) => self.filled(capacity, midway, position).fill(state, rest, flows, velocity),
         }
     }
 
@@ -149,9 +149,9 @@ impl<N: Number> Chambers<N> {
         state: &mut ChamberState<N>,
         rest: &mut ChamberState<N>,
         voids: &mut Voids<N>,
-        (flows, velocity, position): (Flows<N>, N, N),
+        (flows, velocity, midway, position): (Flows<N>, N, ChamberState<N>, N),
     ) -> Flows<Crossing<N>> {
-        let filled = self.effects.capacity.as_ref().map(|capacity| self.filled(capacity, *state, position));
+        let filled = self.effects.capacity.as_ref().map(|capacity| self.filled(capacity, midway, position));
         let Self { stiffness_a, stiffness_b, .. } = *filled.as_ref().unwrap_or(self);
         let net = self.net(flows, velocity);
         let take = |stiffness, pressure: &mut N, rest: &mut N, void: &mut N::Travel, net| {
@@ -190,6 +190,26 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
             filled.effects = filled.effects.changed(|effects| effects.thinned(thinness));
         }
         Some(filled)
+    }
+
+    /// Pressures halfway through a tick that starts at these with these flows at the ports, for chambers whose capacity depends on the
+    /// pressures; as implicit as the step, so that a stiff chamber does not overshoot where it is filled to.
+    #[cfg_attr(target_os = "none", inline)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
+    pub(crate) fn midway<V: Vocabulary>(
+        &self,
+        pressures: ChamberState<N>,
+        velocity: N,
+        ports: Flows<N>,
+        flows: &Flows<Linearised<N>>,
+    ) -> Option<ChamberState<N>> {
+        let capacity = V::on(self.effects.kept())?.capacity.as_ref()?;
+        if !capacity.is_airy {
+            return None;
+        }
+        let (net, yielding) = (self.net(ports, velocity), self.yielding::<V>(flows));
+        let rise = self.rise(Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) });
+        Some(ChamberState { a: pressures.a + rise.a.halved(), b: pressures.b + rise.b.halved() })
     }
 
     #[inline]

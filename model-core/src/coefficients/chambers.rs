@@ -22,7 +22,7 @@ impl<R: Real> Builder<'_, R> {
 
     /// The same at the least possible capacity.
     pub(super) fn stiffest(&self, volume: P) -> R {
-        if self.get(P::VolumeShare).is_nil() {
+        if self.machine.volume_share().is_nil() {
             self.stiffness(volume)
         } else {
             self.stiffness(volume) / self.least_capacity(volume)
@@ -92,7 +92,7 @@ impl<R: Real> Builder<'_, R> {
 
     /// Least volume of a chamber over that at mid-stroke.
     fn least_volume(&self, volume: P) -> R {
-        if self.get(P::VolumeShare).is_nil() {
+        if self.machine.volume_share().is_nil() {
             return R::ONE;
         }
         // Where the pressure rise per tick at flow 1 is the largest that the format is aimed at.
@@ -124,11 +124,11 @@ impl<R: Real> Builder<'_, R> {
     }
 
     fn varying_capacity<N: Number<Real = R>>(&self) -> Result<Option<Capacity<N>>, MachineError> {
-        if self.get(P::VolumeShare).is_nil() && self.get(P::AirShare).is_nil() {
+        if self.machine.volume_share().is_nil() && self.get(P::AirShare).is_nil() {
             return Ok(None);
         }
         let chamber = |area: P, volume: P| -> Result<ChamberCapacity<N>, MachineError> {
-            let reach = self.get(P::VolumeShare) * self.get(area) * self.get(P::Stroke) / self.get(volume);
+            let reach = self.machine.volume_share() * self.get(area) * self.get(P::Stroke) / self.get(volume);
             let oil = self.oil(volume) / self.least_capacity(volume);
             let air = self.get(P::AirShare) * self.get(P::BulkModulus) / R::constant(ATMOSPHERE_PA);
             Ok(ChamberCapacity {
@@ -142,6 +142,7 @@ impl<R: Real> Builder<'_, R> {
         Ok(Some(Capacity {
             a: chamber(P::AreaA, P::VolumeA)?,
             b: chamber(P::AreaB, P::VolumeB)?,
+            is_airy: !self.get(P::AirShare).is_nil(),
             per_atmosphere: self.steep::<N>("pressure in atmospheres", P::SupplyPressure, per_atmosphere)?,
         }))
     }

@@ -6,6 +6,7 @@ pub(crate) mod bases;
 mod chambers;
 mod correction_table;
 mod flow_effects;
+mod lags;
 mod mechanics;
 mod oil;
 mod sensors;
@@ -15,6 +16,7 @@ use crate::chambers::Chambers;
 use crate::coefficients::bases::{
     COMMAND_V, GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, least_drag, smaller_capacity,
 };
+use crate::coefficients::lags::Lags;
 use crate::drive::{Drive, OilSource, StageWeights};
 use crate::flow::{Edges, Lines, Pump};
 use crate::machine::{Bases, Machine, MachineError, Parameter as P, Source, Tick};
@@ -134,16 +136,7 @@ impl<R: Real> Builder<'_, R> {
         let step_limit = self.get(P::RateLimit) * R::constant(self.tick_s);
         let limits = N::signal(step_limit).is_some();
         let half_per_step = if limits { R::constant(0.5) / step_limit } else { R::ZERO };
-        let (t1, t2) = (self.get(P::TimeConstant1), self.get(P::TimeConstant2));
-        let (decay_1, decay_2) = (self.decay(t1), self.decay(t2));
-        let apart = t1 - t2;
-        let cross = if apart.value().abs() > 1e-6 * t1.value().max(t2.value()) {
-            t1 * (decay_1 - decay_2) / apart
-        } else if t1.value() > 0.0 {
-            R::constant(self.tick_s) / t1 * decay_1
-        } else {
-            R::ZERO
-        };
+        let Lags { decay_1, decay_2, cross, .. } = self.lags();
         Ok(Valve {
             gain: self.gain::<N>(
                 "spool travel per 10 V",
@@ -158,7 +151,7 @@ impl<R: Real> Builder<'_, R> {
             decay_1: self.gain::<N>("decay of the first lag", P::TimeConstant1, decay_1)?,
             decay_2: self.gain::<N>("decay of the second lag", P::TimeConstant2, decay_2)?,
             cross: self.gain::<N>("coupling of the lags", P::TimeConstant1, cross)?,
-            effects: self.valve_effects(R::ONE - decay_2 - cross)?,
+            effects: self.valve_effects()?,
         })
     }
 

@@ -4,16 +4,26 @@ use super::Builder;
 use crate::machine::{MachineError, Parameter as P};
 use crate::number::relaxation::{Relaxation, fineness};
 use crate::number::{Number, Real};
-use crate::valve::effects::{FlowForce, Hysteresis, NullDrift, SolenoidSaturation, Stiction, ValveEffects};
+use crate::valve::effects::{
+    FlowForce, Hysteresis, NullDrift, SolenoidSaturation, SpeedLimit, Stiction, SwingingLimit, ValveEffects,
+};
+
+/// Largest ω·h that the limit of a spool's pull reckons with.
+const MOST_TURN: f64 = 2.0;
 
 impl<R: Real> Builder<'_, R> {
-    /// `share` is the part of a set value that the lags let through in a tick.
-    pub(super) fn valve_effects<N: Number<Real = R>>(&self, share: R) -> Result<ValveEffects<N>, MachineError> {
+    pub(super) fn valve_effects<N: Number<Real = R>>(&self) -> Result<ValveEffects<N>, MachineError> {
         Ok(ValveEffects {
             drift: self.unless_nil(P::NullDriftTravel, |travel| self.null_drift(travel))?,
             saturation: self.solenoid()?,
             hysteresis: self.unless_nil(P::HysteresisWidth, |width| self.hysteresis(width))?,
-            flow_force: self.unless_nil(P::FlowForce, |closing| self.flow_force(closing, share))?,
+            flow_force: self.unless_nil(P::FlowForce, |closing| self.flow_force(closing, self.lags().share()))?,
+            swing: self
+                .lags()
+                .back
+                .map(|back| self.gain::<N>("coupling of the spool's speed", P::NaturalFrequency, back))
+                .transpose()?,
+            speed_limit: self.speed_limit()?,
             stiction: self.unless_nil(P::StictionBand, |band| {
                 Ok(Stiction {
                     band: self.signal("band of the stuck spool", P::StictionBand, band)?,
@@ -35,6 +45,25 @@ impl<R: Real> Builder<'_, R> {
     ) -> Result<Option<T>, MachineError> {
         let strength = self.get(strength);
         if strength.is_nil() { Ok(None) } else { effect(strength).map(Some) }
+    }
+
+    fn speed_limit<N: Number<Real = R>>(&self) -> Result<Option<SpeedLimit<N>>, MachineError> {
+        let step = self.get(P::SpoolSpeedLimit) * R::constant(self.tick_s);
+        let Some(step_limit) = N::signal(step) else { return Ok(None) };
+        if self.get(P::NaturalFrequency).is_nil() {
+            return Ok(Some(SpeedLimit { step: step_limit, swinging: None }));
+        }
+        let (turn, of) = (self.turn(), P::SpoolSpeedLimit);
+        let lead = step / turn;
+        let pull = R::constant(2.0) * self.get(P::SpoolDamping) * lead * (R::ONE + self.get(P::SpeedOverdrive));
+        // A spool that turns by more than this in a tick follows within it, however it is pulled.
+        let ahead = if turn.value() < MOST_TURN { R::constant(0.5) * turn } else { R::constant(0.5 * MOST_TURN) };
+        let swinging = SwingingLimit {
+            lead: Self::limit(lead),
+            pull: Self::limit(pull),
+            ahead: self.gain::<N>("half a tick of the spool's lead", of, ahead)?,
+        };
+        Ok(Some(SpeedLimit { step: step_limit, swinging: Some(swinging) }))
     }
 
     fn null_drift<N: Number<Real = R>>(&self, travel: R) -> Result<NullDrift<N>, MachineError> {
@@ -92,7 +121,13 @@ impl<R: Real> Builder<'_, R> {
     /// slower lag: ½ for a slow one, 1 for none.
     fn late_weight(&self) -> R {
         let (t1, t2) = (self.get(P::TimeConstant1), self.get(P::TimeConstant2));
-        let slower = if t1.value() > t2.value() { t1 } else { t2 };
+        let slower = if !self.get(P::NaturalFrequency).is_nil() {
+            self.machine.spool_lag_s()
+        } else if t1.value() > t2.value() {
+            t1
+        } else {
+            t2
+        };
         let turn = R::constant(self.tick_s) / slower;
         if slower.value() <= 0.0 {
             R::ONE

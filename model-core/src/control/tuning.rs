@@ -62,7 +62,7 @@ impl Tuning {
     /// resolution stays 0: the sensor is not part of the machine.
     #[must_use]
     pub fn by_rule(machine: &Machine<f64>, spool_is_measured: bool) -> Self {
-        let lags_s = machine.get(P::TimeConstant1) + machine.get(P::TimeConstant2);
+        let lags_s = machine.spool_lag_s();
         let delay_s = machine.get(P::TransportDelay) + CONTROLLER_DELAY_S;
         let turning_s = 2.0 * machine.get(P::DeadZone) / machine.get(P::RateLimit);
         let spool_gain = (lags_s / (3.0 * delay_s)).min(LARGEST_SPOOL_GAIN);

@@ -39,7 +39,7 @@ impl<N: Number> Drive<N> {
             }
             seen.forces.around.sprung = left.as_ref().map_or(N::ONE, |&(_, _, share)| share);
             (state.chambers, state.rest) = (chambers, rest);
-            let taken = (seen.flows, seen.velocity, seen.position);
+            let taken = (seen.flows, seen.velocity, seen.midway, seen.position);
             let crossing =
                 self.chambers.take(cavitation, &mut state.chambers, &mut state.rest, &mut state.voids, taken);
             if !again || !(crossing.a.crosses | crossing.b.crosses).any() {

@@ -292,7 +292,14 @@ impl<N: Number> Drive<N> {
         };
         let position = N::of_travel(state.motion.position);
         let velocity = self.unsprung.step(&mut state.motion, forces);
-        Interfaces { spool: None, flows: Flows { a: N::ZERO, b: N::ZERO }, forces, velocity, position }
+        Interfaces {
+            spool: None,
+            flows: Flows { a: N::ZERO, b: N::ZERO },
+            forces,
+            velocity,
+            midway: state.chambers,
+            position,
+        }
     }
 
     /// Temperature that the machine's values are for, where the viscosity depends on temperature.

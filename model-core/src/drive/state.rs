@@ -97,6 +97,8 @@ pub struct Interfaces<N> {
     pub forces: Forces<N>,
     /// Mean velocity of the tick.
     pub velocity: N,
+    /// Pressures halfway through the tick, as its start predicts them: the chambers have the capacity of these, with `entrained-air`.
+    pub midway: ChamberState<N>,
     /// Position at the start of the tick, strokes.
     pub position: N,
 }

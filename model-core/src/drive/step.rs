@@ -96,6 +96,16 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
         let beside = with(chambers.inflow::<V>(Flows { a: N::ZERO, b: N::ZERO }, pressures));
         let filling = chambers.filling(mechanics.making_room::<V>(motion), beside);
         let Started { flows, drawn, roots } = feed.start::<V>(pressures, state.supply.pressure, filling);
+        // Air makes the capacity depend on the pressure: the tick takes the one that its middle will have. With that of its start an oscillating
+        // chamber would lose oil from cycle to cycle.
+        let midway = chambers.midway::<V>(
+            pressures,
+            velocity,
+            Flows { a: flows.a.flow + beside.a, b: flows.b.flow + beside.b },
+            &flows,
+        );
+        let refilled = midway.and_then(|midway| self.chambers.at::<V>(midway, position, oil.map(|oil| oil.thinness)));
+        let chambers = refilled.as_ref().unwrap_or(chambers);
         let yielding = chambers.yielding::<V>(&flows);
         let start = self.pressure_force(pressures) + load.from + constant;
         let contact = equation.contact(velocity, start);
@@ -157,6 +167,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
             flows,
             forces: Forces { start, first, second, around },
             velocity: mean,
+            midway: midway.unwrap_or(pressures),
             position,
         }
     }

@@ -12,6 +12,43 @@ pub struct Form {
     pub values: &'static [(Parameter, f64)],
 }
 
+/// What an installed drive has beside the paper's model and that is no effect, on the press of [`Effect::trial`]: the spool as a second-order
+/// system, its largest speed, volumes that follow the piston, pressure in the tank line.
+pub const BASE_FORMS: &[Form] = &[
+    Form { name: "second-order spool", values: SECOND_ORDER },
+    Form {
+        name: "second-order spool of limited speed",
+        values: &[
+            SECOND_ORDER[0],
+            SECOND_ORDER[1],
+            SECOND_ORDER[2],
+            SECOND_ORDER[3],
+            (Parameter::SpoolSpeedLimit, 8.0),
+        ],
+    },
+    Form {
+        name: "second-order spool of limited speed, pulled harder",
+        values: &[
+            SECOND_ORDER[0],
+            SECOND_ORDER[1],
+            SECOND_ORDER[2],
+            SECOND_ORDER[3],
+            (Parameter::SpoolSpeedLimit, 8.0),
+            (Parameter::SpeedOverdrive, 2.0),
+        ],
+    },
+    Form { name: "lags and limited speed", values: &[(Parameter::SpoolSpeedLimit, 8.0)] },
+    Form { name: "volumes that follow the piston", values: &[(Parameter::VolumeFollows, 1.0)] },
+    Form { name: "pressure in the tank line", values: &[(Parameter::TankPressure, 3e5)] },
+];
+
+const SECOND_ORDER: &[(Parameter, f64)] = &[
+    (Parameter::TimeConstant1, 0.0),
+    (Parameter::TimeConstant2, 0.0),
+    (Parameter::NaturalFrequency, 25.0),
+    (Parameter::SpoolDamping, 0.6),
+];
+
 macro_rules! forms {
     ([] $($effect:ident $name:literal in $link:ident {
         $($parameter:ident: $key:literal, $unit:literal, $min:expr, $max:expr, $default:expr, $meaning:literal;)*

@@ -3,9 +3,11 @@
 mod forms;
 mod parameter;
 
+use core::f64::consts::PI;
+
 use crate::number::{Real, SUM_UNIT};
 
-pub use forms::Form;
+pub use forms::{BASE_FORMS, Form};
 pub use parameter::{Description, Fallback, Parameter};
 
 /// Atmospheric pressure, Pa.
@@ -84,6 +86,24 @@ impl<R: Real> Machine<R> {
         let both = side(Parameter::AreaA, Parameter::VolumeA) + side(Parameter::AreaB, Parameter::VolumeB);
         both * self.get(Parameter::BulkModulus)
     }
+
+    /// By how much the spool is late behind a slow set value, without its dead time, s: the sum of both lags, or 2·ζ/ω.
+    #[must_use]
+    pub fn spool_lag_s(&self) -> R {
+        if self.get(Parameter::NaturalFrequency).is_nil() {
+            self.get(Parameter::TimeConstant1) + self.get(Parameter::TimeConstant2)
+        } else {
+            let turns_per_s = R::constant(PI) * self.get(Parameter::NaturalFrequency);
+            self.get(Parameter::SpoolDamping) / turns_per_s
+        }
+    }
+
+    /// How much of the piston's displacement from mid-stroke the chamber volumes follow: 1 by `volume_follows_piston`, and what the effect
+    /// `position-dependent-volume` adds.
+    #[must_use]
+    pub(crate) fn volume_share(&self) -> R {
+        self.get(Parameter::VolumeFollows) + self.get(Parameter::VolumeShare)
+    }
 }
 
 impl Machine<f64> {
@@ -102,6 +122,10 @@ impl Machine<f64> {
             if parameter.is_whole() && value > libm::floor(value) {
                 return Err(MachineError::NotWhole { parameter, value });
             }
+        }
+        let lag_s = self.get(Parameter::TimeConstant1).max(self.get(Parameter::TimeConstant2));
+        if self.get(Parameter::NaturalFrequency) > 0.0 && lag_s > 0.0 {
+            return Err(MachineError::LagsBesideFrequency { hertz: self.get(Parameter::NaturalFrequency), lag_s });
         }
         let (floor_pa, tank_pa) = (self.get(Parameter::CavitationFloor), self.get(Parameter::TankPressure));
         if floor_pa > Parameter::CavitationFloor.description().min && !(LOWEST_FLOOR_PA..=tank_pa).contains(&floor_pa) {
@@ -132,6 +156,16 @@ pub enum MachineError {
         parameter: Parameter,
         /// Its value.
         value: f64,
+    },
+    /// The spool has lags and is a second-order system as well.
+    #[error(
+        "valve.natural_frequency_hz = {hertz} Hz beside valve.time_constants_s of {lag_s} s: expected one of the two"
+    )]
+    LagsBesideFrequency {
+        /// The natural frequency in Hz.
+        hertz: f64,
+        /// The larger lag in s.
+        lag_s: f64,
     },
     /// The pressure at which oil cavitates is physically impossible, or above the tank's.
     #[error(

@@ -89,7 +89,7 @@ const NONE: f64 = f64::INFINITY;
 effects! { parameters =>
     {
         SupplyPressure: "supply.pressure_pa", "Pa", 1e5, 1e8, Value(7.0e6), "Supply pressure p0, constant; with a pump drive the pressure all others are scaled by. (3), (4)";
-        TankPressure: "supply.tank_pressure_pa", "Pa", -1e5, 1e7, Value(0.0), "Pressure of the return line.";
+        TankPressure: "supply.tank_pressure_pa", "Pa", -1e5, 1e7, Value(0.0), "Pressure of the return line, gauge: above that of the atmosphere.";
         FlowLimit: "supply.flow_limit_m3_per_s", "m3/s", 1e-7, NONE, Value(NONE), "Largest flow through either valve edge, both signs.";
         LevelAtRest: "supply.level_at_rest", "1", 0.02, 0.98, Value(0.5), "Share of supply pressure in chamber B at rest, where a simulation of a recording without pressures starts; no step uses it.";
         ValveGain: "valve.gain_per_v", "1/V", -10.0, 10.0, Value(0.1), "Slope of the static characteristic: spool travel per volt. (15)";
@@ -98,6 +98,10 @@ effects! { parameters =>
         RateLimit: "valve.rate_limit_per_s", "1/s", 1e-3, NONE, Value(NONE), "Largest speed of the spool's set value, both signs. Fig. 5";
         TimeConstant1: "valve.time_constants_s[0]", "s", 0.0, 10.0, Value(0.0), "First lag of the spool. (16)";
         TimeConstant2: "valve.time_constants_s[1]", "s", 0.0, 10.0, Value(0.0), "Second lag of the spool. (16)";
+        NaturalFrequency: "valve.natural_frequency_hz", "Hz", 0.0, 1e4, Value(0.0), "Natural frequency of the spool as a second-order system, in place of both lags; 0: the lags of (16).";
+        SpoolDamping: "valve.damping", "1", 0.05, 20.0, Value(1.0), "Damping ratio of that system: below 1 the spool overshoots, at 1 it is two equal lags.";
+        SpoolSpeedLimit: "valve.speed_limit_per_s", "1/s", 1e-3, NONE, Value(NONE), "Largest speed of the spool itself, both signs, behind its lags.";
+        SpeedOverdrive: "valve.speed_overdrive", "1", 0.0, 1e3, Value(0.0), "How much more a second-order spool can be pulled than its largest speed takes: 0 where a pilot stage opens no further, many where its speed itself is limited.";
         TransportDelay: "valve.transport_delay_s", "s", 0.0, 1.0, Value(0.0), "Dead time between command and spool. (16)";
         FlowCoefficient: "valve.flow_coefficient", "m3/s/sqrt(Pa)", 1e-12, 1.0, Value(2.4e-7), "K_Q: flow per spool travel beyond the dead zone and root of pressure. (3), (4)";
         LaminarTransition: "valve.laminar_transition_pa", "Pa", 1.0, 1e6, Value(2e3), "Pressure difference p_t below which the root becomes linear.";
@@ -106,6 +110,7 @@ effects! { parameters =>
         Stroke: "cylinder.stroke_m", "m", 1e-3, 100.0, Value(0.3), "Length of travel.";
         VolumeA: "cylinder.volume_a_m3", "m3", 1e-9, 10.0, HalfStrokeVolume, "Oil in chamber A and its hose at mid-stroke. (7)";
         VolumeB: "cylinder.volume_b_m3", "m3", 1e-9, 10.0, HalfStrokeVolume, "Oil in chamber B and its hose at mid-stroke. (7)";
+        VolumeFollows: "cylinder.volume_follows_piston", "1", 0.0, 1.0, Value(0.0), "1: the chamber volumes change with the piston, by area times its way from mid-stroke, as in every cylinder; 0: they are constant, as in the paper. (7)";
         BulkModulus: "cylinder.bulk_modulus_pa", "Pa", 1e6, 1e11, Value(1.2e9), "Bulk modulus E0 of the oil. (7)";
         MovingMass: "cylinder.moving_mass_kg", "kg", 1e-2, 1e7, Value(20.0), "Moving mass m, load reduced to the rod included. (8)";
         ViscousFriction: "cylinder.viscous_friction_n_s_per_m", "N s/m", 0.0, 1e9, Value(1.0e4), "Viscous friction D. (8)";
@@ -179,9 +184,12 @@ impl Parameter {
         Parameter::TableValue20,
     ];
 
-    /// Whether it selects an entry of a list, so that only whole numbers are valid.
+    /// Whether it selects one of several cases, so that only whole numbers are valid.
     #[must_use]
     pub const fn is_whole(self) -> bool {
-        matches!(self, Parameter::TableQuantity | Parameter::TableOver | Parameter::TableOver2)
+        matches!(
+            self,
+            Parameter::VolumeFollows | Parameter::TableQuantity | Parameter::TableOver | Parameter::TableOver2
+        )
     }
 }

@@ -1,7 +1,7 @@
-//! Effects of the valve link: behaviour of the spool that Fig. 5 does not have.
+//! What Fig. 5 does not have: effects of the valve link, a spool that swings, and its largest speed.
 //!
 //! In the order of the chain: the neutral drifts, the solenoid saturates, the hysteresis lags behind (all before the rate limiter); the
-//! flow force pushes closed (before the lags); the spool sticks (after them). Each is `None` where its amount is 0, and
+//! flow force pushes closed (before the lags); the spool swings instead of lagging, and its speed is limited; it sticks (after both). Each is `None` where its amount is 0, and
 //! the valve's step is then the one without the effect, bit for bit.
 
 use crate::effects::LinkEffects;
@@ -16,6 +16,10 @@ pub struct ValveEffects<N: Number> {
     pub(crate) saturation: Option<SolenoidSaturation<N>>,
     pub(crate) hysteresis: Option<Hysteresis<N>>,
     pub(crate) flow_force: Option<FlowForce<N>>,
+    /// What the spool's position takes from its lead in a tick, where the spool is a second-order system: `back` of
+    /// [`coefficients`](crate::coefficients)`::lags`.
+    pub(crate) swing: Option<N::Gain>,
+    pub(crate) speed_limit: Option<SpeedLimit<N>>,
     pub(crate) stiction: Option<Stiction<N>>,
 }
 
@@ -45,8 +49,14 @@ impl<N: Number> LinkEffects for ValveEffects<N> {}
 impl<N: Number> ValveEffects<N> {
     /// Whether no effect is on.
     pub(crate) fn are_off(&self) -> bool {
-        let Self { drift, saturation, hysteresis, flow_force, stiction } = self;
-        drift.is_none() && saturation.is_none() && hysteresis.is_none() && flow_force.is_none() && stiction.is_none()
+        let Self { drift, saturation, hysteresis, flow_force, swing, speed_limit, stiction } = self;
+        drift.is_none()
+            && saturation.is_none()
+            && hysteresis.is_none()
+            && flow_force.is_none()
+            && swing.is_none()
+            && speed_limit.is_none()
+            && stiction.is_none()
     }
 
     /// Output of the static characteristic over a tick, with drift, saturation and play.
@@ -181,6 +191,48 @@ impl<N: Number> FlowForce<N> {
         let opens = self.overlap.beyond(to - early.times(start));
         let held = opens.times(N::inverse_one_plus([strength(opens).times(late)], [self.unity]));
         N::dot(self.weights, [start, strength(opens).times(held)])
+    }
+}
+
+/// Largest speed of the spool itself, as oil for its pilot or the solenoid's power limits it, both signs.
+///
+/// Per unit spool travel. A second-order spool can be pulled towards its set value only as hard as keeps it at this speed, and by
+/// `valve.speed_overdrive` harder; then its speed itself is limited as well. Of two lags only the second is limited. Exact while the speed is at
+/// its limit; while only the pull is, to second order in the tick; in the ticks in which a limit begins and ends the position is off by no more
+/// than half of what the speed changes in a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SpeedLimit<N: Number> {
+    /// Way in a tick.
+    pub(crate) step: N,
+    /// Of a second-order spool.
+    pub(crate) swinging: Option<SwingingLimit<N>>,
+}
+
+/// Limits of a second-order spool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SwingingLimit<N: Number> {
+    /// Largest lead l − x = x'/ω.
+    pub(crate) lead: N,
+    /// Largest distance to the set value that pulls.
+    pub(crate) pull: N,
+    /// Way in half a tick per lead: ω·h/2.
+    pub(crate) ahead: N::Gain,
+}
+
+impl<N: Number> SpeedLimit<N> {
+    /// The set value that pulls a spool with this lead at this position.
+    #[inline]
+    pub(crate) fn pulling(&self, lag: N, spool: N, set: N) -> N {
+        let Some(limit) = &self.swinging else { return set };
+        let middle = spool + (lag - spool).part(limit.ahead);
+        middle + (set - middle).limited(limit.pull)
+    }
+
+    /// Lead and position after a tick that began at the position `from`.
+    #[inline]
+    pub(crate) fn held(&self, from: N, (lag, free): (N, N)) -> (N, N) {
+        let held = from + (free - from).limited(self.step);
+        (self.swinging.as_ref().map_or(lag, |limit| held + (lag - free).limited(limit.lead)), held)
     }
 }
 

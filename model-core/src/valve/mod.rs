@@ -14,6 +14,9 @@
 //! x' = d + e^(−h/T2)·(x − d) + cross·(l − d)       1/(1 + T2·s)          (16)
 //! ```
 //!
+//! A spool that is a second-order system (`valve.natural_frequency_hz`) hands back: l' has a part of x − d as well, see `coefficients::lags`.
+//! Its largest speed acts behind the lags.
+//!
 //! Within a tick the set value ramps at the limit until it arrives. Its *mean* over the tick keeps the area that reaches the spool
 //! exact for any tick length; the lags answer that mean exactly (no discretisation error of their own).
 //!
@@ -43,7 +46,7 @@ pub struct Valve<N: Number, E = ValveEffects<N>> {
     pub(crate) delay_ticks: usize,
     /// Remainder of the delay, in ticks, 0..1.
     pub(crate) delay_rest: N,
-    /// e^(−h/T1)
+    /// e^(−h/T1); of a second-order spool, what is left of its lead.
     pub(crate) decay_1: N::Gain,
     /// e^(−h/T2)
     pub(crate) decay_2: N::Gain,
@@ -67,7 +70,7 @@ pub struct ValveState<N: Number, const DELAY: usize> {
     line: [N; DELAY],
     /// Where the next mean is written.
     head: u32,
-    /// Output of the first lag.
+    /// Output of the first lag; of a second-order spool x + x′/ω.
     lag: N,
     /// Spool position; 1 is full travel.
     spool: N,
@@ -126,9 +129,16 @@ impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
         let delayed = self.delay(&mut state.line, &mut state.head, mean);
         let from = state.spool;
         let second = effects.map_or(from, |effects| effects.second_lag(&state.effects, from));
-        let (mut lag, mut free) = self.lagged(state.lag, second, delayed);
+        let swing = effects.and_then(|effects| effects.swing);
+        let limit = effects.and_then(|effects| effects.speed_limit.as_ref());
+        let towards = |set: N| {
+            let set = limit.map_or(set, |limit| limit.pulling(state.lag, second, set));
+            let moved = self.lagged(swing, state.lag, second, set);
+            limit.map_or(moved, |limit| limit.held(second, moved))
+        };
+        let (mut lag, mut free) = towards(delayed);
         if let Some(force) = effects.and_then(|effects| effects.flow_force.as_ref()) {
-            (lag, free) = self.lagged(state.lag, second, delayed - force.closes(second, free, across));
+            (lag, free) = towards(delayed - force.closes(second, free, across));
         }
         state.lag = lag;
         state.spool = effects.map_or(free, |effects| effects.handed_on(&mut state.effects, from, free));
@@ -143,12 +153,17 @@ impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
 }
 
 impl<N: Number, E> Valve<N, E> {
-    /// Both lags a tick later, on the way to `set`; `cross` is what the first hands to the second meanwhile.
+    /// Both lags a tick later, on the way to `set`; `cross` is what the first hands to the second meanwhile, and `swing` what a second-order
+    /// spool hands back.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    fn lagged(&self, first: N, second: N, set: N) -> (N, N) {
+    fn lagged(&self, swing: Option<N::Gain>, first: N, second: N, set: N) -> (N, N) {
         let (first, second) = (first - set, second - set);
-        (set + first.part(self.decay_1), set + N::dot([self.decay_2, self.cross], [second, first]))
+        let lag = match swing {
+            None => first.part(self.decay_1),
+            Some(back) => N::dot([self.decay_1, back], [first, second]),
+        };
+        (set + lag, set + N::dot([self.decay_2, self.cross], [second, first]))
     }
 
     /// Static characteristic. (15)

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use model_core::drive::{Drive, DriveInput, Load};
 use model_core::effects::Effect;
-use model_core::machine::{Form, Machine, Parameter as P, Tick};
+use model_core::machine::{BASE_FORMS, Form, Machine, Parameter as P, Tick};
 use model_core::number::{Number, PerUnit, Scalar};
 use model_core::ports::ChamberState;
 
@@ -44,11 +44,12 @@ fn travelled(machine: &Machine<f64>) -> f64 {
 }
 
 #[test]
-fn fixed_point_and_f64_agree_with_each_effect() {
+fn fixed_point_and_f64_agree_with_each_effect_and_base_form() {
     let mut failed = false;
     let plain = run::<f64>(&press());
     // No chamber of this drive comes near a floor: cavitation has a file of its own.
-    for (_, Form { name, values }) in every_effect().filter(|(effect, _)| *effect != Effect::Cavitation) {
+    let strong = every_effect().filter(|(effect, _)| *effect != Effect::Cavitation).map(|(_, form)| form);
+    for Form { name, values } in strong.chain(BASE_FORMS) {
         assert_ne!(run::<f64>(&with(&press(), values)), plain, "{name} changes nothing: no equation has it");
         let (position, pressure) = apart(&with(&press(), values));
         let ends = travelled(&with(&press(), values));
@@ -71,7 +72,14 @@ fn links_alone_reproduce_the_step_with_everything_on() {
         let (mut chambers, mut rest, mut voids, mut motion) = (whole.chambers, whole.rest, whole.voids, whole.motion);
         for tick in 0..1200 {
             let seen = commanded(&drive, &mut whole, command(tick));
-            drive.chambers().step(&mut chambers, &mut rest, &mut voids, seen.flows, seen.velocity, seen.position);
+            drive.chambers().step(
+                &mut chambers,
+                &mut rest,
+                &mut voids,
+                seen.flows,
+                seen.velocity,
+                (seen.midway, seen.position),
+            );
             assert_eq!(
                 (chambers, rest, voids),
                 (whole.chambers, whole.rest, whole.voids),

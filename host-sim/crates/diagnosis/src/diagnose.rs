@@ -65,7 +65,8 @@ pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
 /// How many progress steps a diagnosis of this machine takes at least.
 #[must_use]
 pub fn steps(file: &MachineFile) -> u64 {
-    1 + CATALOGUE.iter().filter(|hypothesis| !hypothesis.is_on(&file.machine)).count() as u64
+    let base_parameters = base_parameters(file);
+    1 + CATALOGUE.iter().filter(|hypothesis| !hypothesis.is_on(&file.machine, &base_parameters)).count() as u64
 }
 
 /// Diagnoses a drive from training recordings, and confirms on held-out ones.
@@ -116,7 +117,7 @@ pub fn diagnose(
     let (hypotheses, not_testable): (Vec<_>, Vec<_>) = CATALOGUE
         .iter()
         .copied()
-        .filter(|hypothesis| !hypothesis.is_on(&file.machine) && hypothesis.is_reached(&scene))
+        .filter(|hypothesis| !hypothesis.is_on(&file.machine, &base_parameters) && hypothesis.is_reached(&scene))
         .partition(|hypothesis| hypothesis.is_testable(&scene));
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, base_parameters: &base_parameters, hypotheses: &hypotheses };
@@ -310,7 +311,7 @@ fn lowest_pressure(machine: &Machine<f64>, cases: &[Prepared]) -> Result<f64, Ma
 }
 
 /// Base parameters that may move: those of `[fit.sigma]`, else every one that the file gives and that is usually
-/// uncertain, by a tenth of its value.
+/// uncertain, by a tenth of its value; and what is within its tolerance by `[fit.tolerance]`.
 #[must_use]
 pub fn base_parameters(file: &MachineFile) -> Vec<Free> {
     const USUALLY_UNCERTAIN: &[Parameter] = &[
@@ -325,20 +326,36 @@ pub fn base_parameters(file: &MachineFile) -> Vec<Free> {
         Parameter::ViscousFriction,
         Parameter::PumpDisplacement,
     ];
-    let around = |parameter: Parameter, sigma: f64| Free {
-        parameter,
-        freedom: Freedom::Around { nominal: file.machine.get(parameter), sigma },
+    let value = |parameter| file.machine.get(parameter);
+    let around = |parameter: Parameter, sigma: f64| {
+        // A chamber that follows its piston has oil left when the piston is at its end.
+        let displaced = match parameter {
+            Parameter::VolumeA => Parameter::AreaA,
+            Parameter::VolumeB => Parameter::AreaB,
+            _ => return Free::around(parameter, value(parameter), sigma),
+        };
+        let swept_m3 = 0.5 * value(displaced) * value(Parameter::Stroke);
+        if value(Parameter::VolumeFollows) > 0.0 && swept_m3 < value(parameter) {
+            Free::above(swept_m3, parameter, value(parameter), sigma)
+        } else {
+            Free::around(parameter, value(parameter), sigma)
+        }
     };
-    if file.has_sigma_table {
-        return file.sigma.iter().map(|(&parameter, &sigma)| around(parameter, sigma)).collect();
-    }
-    USUALLY_UNCERTAIN
-        .iter()
-        .copied()
-        .filter(|parameter| file.given.contains(parameter))
-        .map(|parameter| around(parameter, 0.1 * file.machine.get(parameter).abs()))
-        .filter(|free| matches!(free.freedom, Freedom::Around { sigma, .. } if sigma > 0.0 && sigma.is_finite()))
-        .collect()
+    let mut free: Vec<Free> = if file.has_sigma_table {
+        file.sigma.iter().map(|(&parameter, &sigma)| around(parameter, sigma)).collect()
+    } else {
+        let sigma = |parameter: Parameter| 0.1 * file.machine.get(parameter).abs();
+        let given = USUALLY_UNCERTAIN.iter().copied().filter(|parameter| file.given.contains(parameter));
+        given
+            .filter(|&parameter| sigma(parameter) > 0.0 && sigma(parameter).is_finite())
+            .map(|parameter| around(parameter, sigma(parameter)))
+            .collect()
+    };
+    free.extend(file.tolerance.iter().map(|(&parameter, &most)| Free {
+        parameter,
+        freedom: Freedom::Within { most, is_signed: parameter.description().min < 0.0 },
+    }));
+    free
 }
 
 fn check_entries(training: &[Prepared], held: &[Prepared]) -> Result<(), DiagnoseError> {

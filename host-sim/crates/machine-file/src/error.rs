@@ -35,8 +35,8 @@ pub enum MachineFileError {
     Floor { place: Place, key: &'static str, floor_pa: f64, tank_key: &'static str, tank_pa: f64, vacuum_pa: f64 },
     /// A number of a list that is not a whole number.
     NotWhole { place: Place, key: String, value: f64, max: f64 },
-    /// A standard deviation that is not a positive finite number.
-    BadSigma { place: Place, key: String, value: f64 },
+    /// A standard deviation or a tolerance that is not a positive finite number.
+    NotPositive { place: Place, table: &'static str, key: String, value: f64 },
     /// An array with too many entries.
     TooManyEntries { place: Place, key: String, found: usize, most: usize },
     /// Both `[valve]` and `[pump]`.
@@ -73,7 +73,7 @@ impl Explained for MachineFileError {
             | E::OutOfRange { place, .. }
             | E::Floor { place, .. }
             | E::NotWhole { place, .. }
-            | E::BadSigma { place, .. }
+            | E::NotPositive { place, .. }
             | E::TooManyEntries { place, .. }
             | E::TwoSources { place }
             | E::NoSource { place }
@@ -101,7 +101,7 @@ impl Explained for MachineFileError {
             E::OutOfRange { key, value, unit, .. } => format!("`{key}` is {value:?}{}", after_number(unit)),
             E::Floor { key, floor_pa, .. } => format!("`{key}` is {floor_pa:?} Pa"),
             E::NotWhole { key, value, .. } => format!("`{key}` is {value:?}"),
-            E::BadSigma { key, value, .. } => format!("the standard deviation of `{key}` is {value:?}"),
+            E::NotPositive { table, key, value, .. } => format!("`{key}` in [{table}] is {value:?}"),
             E::TooManyEntries { key, found, .. } => format!("`{key}` has {found} entries"),
             E::TwoSources { .. } => "both [valve] and [pump]".into(),
             E::NoSource { .. } => "neither [valve] nor [pump]".into(),
@@ -140,7 +140,7 @@ impl Explained for MachineFileError {
                 format!("{vacuum_pa:?} Pa (vacuum) to `{tank_key}`, which is {tank_pa:?} Pa")
             }
             E::NotWhole { max, .. } => format!("a whole number from 0 to {max}"),
-            E::BadSigma { .. } => "a positive number; a value that is exact is not listed".into(),
+            E::NotPositive { .. } => "a positive number; a value that does not move is not listed".into(),
             E::TooManyEntries { most, .. } => format!("at most {most}"),
             E::TwoSources { .. } | E::NoSource { .. } => {
                 "[valve] for a valve-controlled drive, or [pump] for a pump-controlled one".into()

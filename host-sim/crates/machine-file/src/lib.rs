@@ -1,7 +1,7 @@
 //! Machine files: the parameters of one drive in TOML, SI units, the unit in the key.
 //!
 //! Keys, ranges and defaults are those of [`Parameter`]. In addition there are `name`, `load.source`,
-//! `[channels]` and `[fit.sigma]`. Anything else is an error, and every error names file, line, key
+//! `[channels]`, `[fit.sigma]` and `[fit.tolerance]`. Anything else is an error, and every error names file, line, key
 //! and what was expected there.
 //!
 //! Start at [`read`], which makes a [`MachineFile`] of a file; [`data_sheet`] makes one from data-sheet values. Nothing here simulates: a machine
@@ -70,6 +70,9 @@ pub struct MachineFile {
     pub sigma: BTreeMap<Parameter, f64>,
     /// Whether there is a table `[fit.sigma]`, even an empty one: without it a documented default applies.
     pub has_sigma_table: bool,
+    /// Largest magnitudes that are within the drawing, from `[fit.tolerance]`, each in its parameter's unit: a fit may use them, and they are no
+    /// findings.
+    pub tolerance: BTreeMap<Parameter, f64>,
     /// `[channels]`: which columns of a recording hold which signals. Its columns may be absent.
     pub channels: ChannelMap,
     /// `load.source`.
@@ -98,6 +101,7 @@ impl MachineFile {
             given,
             sigma: BTreeMap::new(),
             has_sigma_table: false,
+            tolerance: BTreeMap::new(),
             channels: ChannelMap::default(),
             load_source: LoadSource::default(),
             text: String::new(),

@@ -20,6 +20,8 @@ use crate::{LoadSource, MachineFile};
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
 pub(crate) const NUMBER: &str = "a number";
+/// Tables below `[fit]`.
+const FIT: [&str; 2] = ["sigma", "tolerance"];
 const TABLE: &str = "a table";
 const TEXT: &str = "a text in quotation marks";
 
@@ -113,6 +115,7 @@ impl<'a> Reader<'a> {
             effects: BTreeSet::new(),
             sigma: BTreeMap::new(),
             has_sigma_table: false,
+            tolerance: BTreeMap::new(),
             channels: ChannelMap::default(),
             load_source: LoadSource::default(),
             text: text.to_owned(),
@@ -254,38 +257,53 @@ impl<'a> Reader<'a> {
 
     fn fit(&mut self, table: &dyn TableLike) -> Result<(), MachineFileError> {
         for (key, item) in table.iter() {
-            if key != "sigma" {
-                let (place, nearest) = (self.key_place(table, key), keys::nearest(key, ["sigma"]));
-                let known = Box::new(["sigma".to_owned()]);
-                return Err(MachineFileError::UnknownKey {
-                    place,
-                    table: "fit".to_owned(),
-                    key: key.to_owned(),
-                    nearest,
-                    known,
-                });
+            match key {
+                "sigma" => {
+                    self.result.has_sigma_table = true;
+                    let all = Parameter::ALL.iter().copied();
+                    self.result.sigma = self.by_parameter(self.table(item, "fit.sigma")?, "fit.sigma", all)?;
+                }
+                "tolerance" => {
+                    let of_effects = Parameter::ALL.iter().copied().filter(|parameter| parameter.effect().is_some());
+                    self.result.tolerance =
+                        self.by_parameter(self.table(item, "fit.tolerance")?, "fit.tolerance", of_effects)?;
+                }
+                _ => {
+                    let (place, nearest) = (self.key_place(table, key), keys::nearest(key, FIT));
+                    return Err(MachineFileError::UnknownKey {
+                        place,
+                        table: "fit".to_owned(),
+                        key: key.to_owned(),
+                        nearest,
+                        known: FIT.map(str::to_owned).into(),
+                    });
+                }
             }
-            self.result.has_sigma_table = true;
-            self.sigma(self.table(item, "fit.sigma")?)?;
         }
         Ok(())
     }
 
-    fn sigma(&mut self, table: &dyn TableLike) -> Result<(), MachineFileError> {
-        let all = || Parameter::ALL.iter().copied();
+    /// A table with a positive number for each of some parameters, by their full keys.
+    fn by_parameter(
+        &self,
+        table: &dyn TableLike,
+        name: &'static str,
+        known: impl Iterator<Item = Parameter> + Clone,
+    ) -> Result<BTreeMap<Parameter, f64>, MachineFileError> {
+        let mut found = BTreeMap::new();
         for (key, item) in table.iter() {
             if item.is_table_like() {
                 // `valve.gain_per_v = 1` without quotation marks is a table in TOML.
                 return Err(self.wrong_type(
                     item,
-                    &format!("fit.sigma.{key}"),
+                    &format!("{name}.{key}"),
                     "a number for a key in quotation marks, \"valve.gain_per_v\"",
                 ));
             }
-            let Some(parameter) = all().find(|parameter| parameter.description().key == key) else {
-                let known: Box<[String]> = all().map(|parameter| parameter.description().key.to_owned()).collect();
+            let Some(parameter) = known.clone().find(|parameter| parameter.description().key == key) else {
+                let known: Box<[String]> = known.map(|parameter| parameter.description().key.to_owned()).collect();
                 let (place, nearest) = (self.key_place(table, key), keys::nearest(key, &*known));
-                let (table, key) = ("fit.sigma".to_owned(), key.to_owned());
+                let (table, key) = (name.to_owned(), key.to_owned());
                 return Err(MachineFileError::UnknownKey { place, table, key, nearest, known });
             };
             let value = match item.as_value() {
@@ -294,11 +312,12 @@ impl<'a> Reader<'a> {
                 _ => return Err(self.wrong_type(item, key, NUMBER)),
             };
             if !(value > 0.0 && value.is_finite()) {
-                return Err(MachineFileError::BadSigma { place: self.place(item.span()), key: key.to_owned(), value });
+                let (place, key) = (self.place(item.span()), key.to_owned());
+                return Err(MachineFileError::NotPositive { place, table: name, key, value });
             }
-            self.result.sigma.insert(parameter, value);
+            found.insert(parameter, value);
         }
-        Ok(())
+        Ok(found)
     }
 
     /// Checks that required values are there, and sets defaults that depend on other values.

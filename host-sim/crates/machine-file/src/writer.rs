@@ -1,9 +1,11 @@
 //! Writing a machine file back: changed values in the user's own text.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use toml_edit::{Array, Document, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
+use model_core::machine::Parameter;
 use recording::Scale;
 use recording::files::atomic;
 use recording::files::source_error::Place;
@@ -49,7 +51,7 @@ impl MachineFile {
             put(table(document.as_table_mut(), "load"), "source", Value::from(self.load_source.name()));
         }
         self.put_channels(&mut document, before.as_ref());
-        self.put_sigma(&mut document, before.as_ref());
+        self.put_fit(&mut document, before.as_ref());
         let text = document.to_string();
         read_text(file, &text)?;
         Ok(text)
@@ -126,22 +128,34 @@ impl MachineFile {
         }
     }
 
-    fn put_sigma(&self, document: &mut DocumentMut, before: Option<&MachineFile>) {
+    fn put_fit(&self, document: &mut DocumentMut, before: Option<&MachineFile>) {
         let had = before.is_some_and(|before| before.has_sigma_table);
-        if !had && !self.has_sigma_table && self.sigma.is_empty() {
-            return;
+        if had || self.has_sigma_table || !self.sigma.is_empty() {
+            put_by_parameter(document, "fit.sigma", &self.sigma, before.map(|before| &before.sigma));
         }
-        let sigma = nested(document, "fit.sigma");
-        for (&parameter, &value) in &self.sigma {
-            let stands = before.and_then(|before| before.sigma.get(&parameter));
-            if stands.is_none_or(|stands| stands.to_bits() != value.to_bits()) {
-                put(sigma, parameter.description().key, number(value));
-            }
+        if !self.tolerance.is_empty() || before.is_some_and(|before| !before.tolerance.is_empty()) {
+            put_by_parameter(document, "fit.tolerance", &self.tolerance, before.map(|before| &before.tolerance));
         }
-        for parameter in before.iter().flat_map(|before| before.sigma.keys()) {
-            if !self.sigma.contains_key(parameter) {
-                sigma.remove(parameter.description().key);
-            }
+    }
+}
+
+/// Writes a table with a number for each of some parameters, by their full keys.
+fn put_by_parameter(
+    document: &mut DocumentMut,
+    name: &str,
+    values: &BTreeMap<Parameter, f64>,
+    before: Option<&BTreeMap<Parameter, f64>>,
+) {
+    let written = nested(document, name);
+    for (&parameter, &value) in values {
+        let stands = before.and_then(|before| before.get(&parameter));
+        if stands.is_none_or(|stands| stands.to_bits() != value.to_bits()) {
+            put(written, parameter.description().key, number(value));
+        }
+    }
+    for parameter in before.into_iter().flat_map(BTreeMap::keys) {
+        if !values.contains_key(parameter) {
+            written.remove(parameter.description().key);
         }
     }
 }

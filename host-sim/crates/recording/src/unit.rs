@@ -35,6 +35,8 @@ pub enum Dimension {
     Mass,
     /// Oil per turn of a pump, m³/rev; only in data sheets, not a signal.
     Displacement,
+    /// Frequency, Hz; only in data sheets, not a signal.
+    Frequency,
 }
 
 /// A unit of measure: `si = value · multiply / divide + add`.
@@ -94,6 +96,7 @@ const UNITS: &[Unit] = &[
     unit("kg", Dimension::Mass, 1.0, 1.0, NO_OFFSET),
     unit("t", Dimension::Mass, 1e3, 1.0, NO_OFFSET),
     unit("m3/rev", Dimension::Displacement, 1.0, 1.0, NO_OFFSET),
+    unit("Hz", Dimension::Frequency, 1.0, 1.0, NO_OFFSET),
     unit("cm3/rev", Dimension::Displacement, 1.0, 1e6, NO_OFFSET),
 ];
 

@@ -9,7 +9,7 @@ use crate::run::run;
 use crate::stimulus::Stimulus;
 
 /// Number of derivatives in the largest dual number: for every parameter and the level of a start.
-const MOST_SLOTS: usize = 40;
+const MOST_SLOTS: usize = 64;
 
 /// Largest number of parameters for which one run computes derivatives.
 pub const MOST_PARAMETERS: usize = MOST_SLOTS - 1;
@@ -52,6 +52,7 @@ impl Derivatives<'_> {
         match self.by.len() {
             0..16 => self.in_vectors::<2>(sink),
             16..24 => self.in_vectors::<3>(sink),
+            24..40 => self.in_vectors::<5>(sink),
             _ => self.in_vectors::<{ MOST_SLOTS / BLOCK }>(sink),
         }
     }

@@ -156,7 +156,7 @@ fn spool_at_rest(plant: &Plant, time_s: f64, volts: f64) -> AnySpool {
     let parameters = SpoolParameters::of(&plant.machine);
     let valve = |effect: &PlantEffect| if let PlantEffect::Valve(effect) = effect { Some(*effect) } else { None };
     let shapes: Vec<_> = plant.physics.effects().iter().filter_map(valve).collect();
-    if shapes.is_empty() {
+    if shapes.is_empty() && parameters.is_linear() {
         AnySpool::Plain(Spool::at_rest(parameters, time_s, volts))
     } else {
         AnySpool::Shaped(Box::new(ShapedSpool::at_rest(parameters, &shapes, time_s, volts)))
@@ -209,6 +209,8 @@ mod tests {
             rate_per_s: 10.0,
             time_constants_s: [0.0, 0.0],
             delay_s: 0.0,
+            swings: None,
+            speed_per_s: f64::INFINITY,
         };
         let mut spool = Spool::at_rest(parameters, 0.0, 0.0);
         spool.command(0.0, 5.0);

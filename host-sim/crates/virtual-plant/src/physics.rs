@@ -6,6 +6,7 @@
 
 use model_core::machine::{Machine, Parameter, Source};
 
+use crate::effect::chambers::moving_volumes;
 use crate::effect::{Fixed, PlantEffect};
 use crate::excitation::input::PumpCommand;
 use crate::flow::edges::{Edges, GainCurve, Ports, SeriesLine};
@@ -35,6 +36,8 @@ pub(crate) struct Physics {
     damping: f64,
     load_n: f64,
     stroke_m: f64,
+    /// Whether the chambers' volumes follow the piston.
+    breathes: bool,
     effects: Vec<PlantEffect>,
 }
 
@@ -79,6 +82,7 @@ impl Physics {
             damping: get(Parameter::ViscousFriction),
             load_n: get(Parameter::LoadForce),
             stroke_m: get(Parameter::Stroke),
+            breathes: get(Parameter::VolumeFollows) > 0.0,
             effects: effects.to_vec(),
         }
     }
@@ -174,6 +178,9 @@ impl Physics {
             force: state.pressure_a * self.area_a - state.pressure_b * self.area_b - state.velocity * damping
                 + (self.load_n + inputs.force_n),
         };
+        if self.breathes {
+            moving_volumes([self.area_a, self.area_b], self.stroke_m, &state, &mut terms);
+        }
         let plant = Fixed { edges: &self.edges, areas_m2: [self.area_a, self.area_b], stroke_m: self.stroke_m };
         let mut from = BASE_STATES;
         for effect in &self.effects {

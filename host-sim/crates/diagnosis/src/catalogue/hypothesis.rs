@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use identification::fit::Free;
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter};
 use recording::Signal;
@@ -256,12 +257,22 @@ impl Hypothesis {
         })
     }
 
-    /// Whether the machine file already has it.
+    /// Whether a machine already has it, beyond what is a tolerance among these base parameters.
     #[must_use]
-    pub fn is_on(&self, machine: &Machine<f64>) -> bool {
+    pub fn is_on(&self, machine: &Machine<f64>, base_parameters: &[Free]) -> bool {
         self.effect_parameters().any(|effect_parameter| match effect_parameter.neutral() {
-            Some(neutral) => (machine.get(effect_parameter.parameter) - neutral).abs() > 0.0,
+            Some(neutral) => {
+                let value = machine.get(effect_parameter.parameter);
+                (value - neutral).abs() > tolerance(base_parameters, effect_parameter.parameter)
+            }
             None => false,
         })
     }
+}
+
+/// The largest magnitude of a parameter that is a tolerance; 0 where it has none.
+#[must_use]
+pub fn tolerance(base_parameters: &[Free], parameter: Parameter) -> f64 {
+    let known = base_parameters.iter().find(|free| free.parameter == parameter);
+    known.and_then(Free::tolerance).unwrap_or(0.0)
 }

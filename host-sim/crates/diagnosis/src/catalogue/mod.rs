@@ -40,7 +40,9 @@ use model_core::machine::Parameter;
 
 use hypothesis::LUGRE;
 
-pub use hypothesis::{EffectParameter, Extension, Form, Hypothesis, Kind, LookAlike, Scene, Subsystem, is_elastic};
+pub use hypothesis::{
+    EffectParameter, Extension, Form, Hypothesis, Kind, LookAlike, Scene, Subsystem, is_elastic, tolerance,
+};
 
 /// Every effect that is tried, in the order of the chain.
 pub const CATALOGUE: &[&Hypothesis] = &[
@@ -156,7 +158,7 @@ mod tests {
         assert_eq!(reached(1e5), ["cavitation"]);
         assert_eq!(reached(f64::INFINITY), ["cavitation"]);
         assert_eq!(reached(-1e5), [""; 0]);
-        let on = |machine: &Machine<f64>| cavitation::HYPOTHESIS.is_on(machine);
+        let on = |machine: &Machine<f64>| cavitation::HYPOTHESIS.is_on(machine, &[]);
         assert!(!on(&machine) && on(&press(&[(Parameter::CavitationFloor, 0.0)])));
     }
 

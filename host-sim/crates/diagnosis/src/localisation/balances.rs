@@ -31,6 +31,10 @@ pub(crate) const OF_VALVE: &[Parameter] = &[
     Parameter::RateLimit,
     Parameter::TimeConstant1,
     Parameter::TimeConstant2,
+    Parameter::NaturalFrequency,
+    Parameter::SpoolDamping,
+    Parameter::SpoolSpeedLimit,
+    Parameter::SpeedOverdrive,
     Parameter::TransportDelay,
 ];
 

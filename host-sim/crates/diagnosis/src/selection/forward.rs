@@ -212,7 +212,7 @@ impl Course {
 
     /// Whether a candidate model may be accepted over the chosen one: each of its effects is plausible, and they are worth their effect parameters.
     pub(crate) fn is_accepted(&mut self, question: &Question<'_>, candidate: &Candidate) -> Result<bool, FitError> {
-        if !candidate.is_plausible(question.scene) || !accepts(question, &self.base, &self.chosen, candidate)? {
+        if !candidate.is_plausible(question) || !accepts(question, &self.base, &self.chosen, candidate)? {
             return Ok(false);
         }
         if self.chosen.effects.is_empty() { self.stands(question, candidate) } else { Ok(true) }

@@ -37,7 +37,7 @@ pub fn lengthened(
         jumps: None,
     };
     if let Some(chosen) = chosen?
-        && chosen.is_plausible(question.scene)
+        && chosen.is_plausible(question)
         && accepts(question, &selection.base, &selection.base, &chosen)?
         && let Some(accepted) = reduced(question, &selection.base, chosen, &found.joined)?
         && found.makes_likeliest(&accepted)
@@ -105,5 +105,5 @@ fn slow(
     }
     let best = others.remove(0).finished(question)?;
     others.retain(|candidate| candidate.is_possible(question.scene));
-    Ok(best.is_plausible(question.scene).then_some((best, others)))
+    Ok(best.is_plausible(question).then_some((best, others)))
 }

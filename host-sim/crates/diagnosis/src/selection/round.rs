@@ -56,7 +56,7 @@ pub(crate) fn reduced(
     while rest.effects.len() > 1 {
         let without = |index: usize| -> Result<Option<(bool, Candidate)>, FitError> {
             let without = rest.without(question, index)?;
-            if !without.is_plausible(question.scene) || accepts(question, base, &without, &rest)? {
+            if !without.is_plausible(question) || accepts(question, base, &without, &rest)? {
                 return Ok(None);
             }
             Ok(Some((accepts(question, base, base, &without)?, without)))

@@ -157,7 +157,12 @@ pub fn amounts(form: Form) -> impl Iterator<Item = &'static EffectParameter> {
     form.iter().filter(|effect_parameter| effect_parameter.is_amount())
 }
 
-/// Simulation with each amount at its unit and the others at 0.
+/// What the tolerance of an amount has taken up: 0 where it has none.
+fn taken_up(fit: &Fit, amount: &EffectParameter) -> f64 {
+    fit.machine.get(amount.parameter)
+}
+
+/// Simulation with each amount a unit beyond its tolerance and the others as they are.
 fn directions(
     fit: &Fit,
     sensitivity: &Sensitivity<'_>,
@@ -167,7 +172,7 @@ fn directions(
 ) -> Result<Vec<Simulated>, MachineError> {
     let values = amounts(form)
         .zip(units)
-        .map(|(effect_parameter, unit)| [shape, &[(effect_parameter.parameter, *unit)]].concat());
+        .map(|(amount, unit)| [shape, &[(amount.parameter, taken_up(fit, amount) + *unit)]].concat());
     values.map(|values| sensitivity.simulated(&with(&fit.machine, &values))).collect()
 }
 
@@ -304,7 +309,8 @@ fn lead(
                 .zip(shares.iter().zip(&units))
                 .filter(|(_, (share, _))| **share != 0.0)
                 .map(|(effect_parameter, (share, unit))| {
-                    (effect_parameter.parameter, step * share.clamp(-30.0, 30.0) * unit)
+                    let beyond = step * share.clamp(-30.0, 30.0) * unit;
+                    (effect_parameter.parameter, taken_up(fit, effect_parameter) + beyond)
                 })
                 .collect();
             let lead = lead_at([predicted.shape.as_slice(), &values].concat())?;
@@ -332,7 +338,7 @@ fn lead(
         // An effect parameter that is 0 at this point starts at a small value.
         for (effect_parameter, unit) in amounts(form).zip(&units) {
             if lead.values.iter().all(|(parameter, _)| *parameter != effect_parameter.parameter) {
-                lead.values.push((effect_parameter.parameter, 0.03 * unit));
+                lead.values.push((effect_parameter.parameter, taken_up(fit, effect_parameter) + 0.03 * unit));
             }
         }
         lead

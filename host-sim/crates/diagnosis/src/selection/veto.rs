@@ -56,7 +56,7 @@ impl Selection {
         let is_found_by_jumps = self.chosen.effects.iter().any(|one| self.is_found_by_jumps(one.effect));
         let stands =
             || Ok::<_, FitError>(is_found_by_jumps || accepts(question, &self.base, &self.base, &self.chosen)?);
-        if self.chosen.is_plausible(question.scene) && stands()? {
+        if self.chosen.is_plausible(question) && stands()? {
             enter(question, &self.base, &mut self.rounds, &self.chosen);
         } else {
             refused.extend(self.chosen.effects.iter().map(|chosen| chosen.effect));

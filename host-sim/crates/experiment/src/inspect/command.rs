@@ -48,7 +48,7 @@ fn followed(recording: &Recording, machine: &Machine<f64>) -> Option<f64> {
     let spool = recording.signal(Signal::Spool)?;
     let get = |parameter| machine.get(parameter);
     let (low, high) = extent(command);
-    let lags = get(Parameter::TimeConstant1) + get(Parameter::TimeConstant2);
+    let lags = machine.spool_lag_s();
     let settled_s = get(Parameter::TransportDelay) + 4.0 * lags + 2.0 / get(Parameter::RateLimit);
     let (mut since, mut rows, mut across, mut square) = (0, 0, 0.0, 0.0);
     for row in 0..command.len() {

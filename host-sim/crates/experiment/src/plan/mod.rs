@@ -170,7 +170,7 @@ pub fn plan(planned: &Planned<'_>, given: Option<&Stimulus>, done: &(dyn Fn() + 
     let (effects, not_testable): (Vec<&Hypothesis>, Vec<&Hypothesis>) = CATALOGUE
         .iter()
         .copied()
-        .filter(|hypothesis| !hypothesis.is_on(machine) && hypothesis.is_reached(&scene))
+        .filter(|hypothesis| !hypothesis.is_on(machine, planned.base_parameters) && hypothesis.is_reached(&scene))
         .partition(|hypothesis| hypothesis.is_testable(&scene));
     let directions = Directions::of(&scene, planned.base_parameters, &effects, planned.sensors);
     let (sensors, at_hand) = with_further(planned);

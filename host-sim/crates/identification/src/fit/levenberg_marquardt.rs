@@ -67,7 +67,9 @@ impl<'a> Problem<'a> {
             for (free, coordinate) in free.iter().zip(coordinates.iter_mut()) {
                 let mut pairs = known.free.iter().zip(all.iter());
                 let found = pairs.find(|(other, _)| other.parameter == free.parameter);
-                *coordinate = found.map_or(0.0, |(_, coordinate)| *coordinate);
+                *coordinate = found.map_or(0.0, |(other, &coordinate)| {
+                    if other.freedom == free.freedom { coordinate } else { free.coordinate(other.value(coordinate)) }
+                });
             }
             if known.starts.len() == cases.len() {
                 coordinates.rows_mut(free.len(), known_starts.len()).copy_from(&known_starts);

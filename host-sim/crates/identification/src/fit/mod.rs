@@ -49,6 +49,23 @@ pub enum Freedom {
         /// Its standard deviation.
         sigma: f64,
     },
+    /// Around a nominal value that is known only roughly and above a least one: what it is above that moves in its logarithm, with a Gaussian prior
+    /// there.
+    Roughly {
+        /// What it always exceeds.
+        least: f64,
+        /// Nominal value.
+        nominal: f64,
+        /// Standard deviation of the logarithm.
+        spread: f64,
+    },
+    /// Between the ends of a tolerance: moves ever more stiffly towards them.
+    Within {
+        /// Largest value.
+        most: f64,
+        /// Whether it may have either sign; else the least value is 0.
+        is_signed: bool,
+    },
     /// Of either sign and of roughly known size: moves ever more stiffly towards a limit of one and a half times [`REACH`].
     Signed {
         /// Standard deviation.
@@ -78,6 +95,9 @@ fn reached(coordinate: f64, vanishes: bool) -> f64 {
     if vanishes && coordinate < 0.0 { coordinate } else { REACH * (coordinate / REACH).tanh() }
 }
 
+/// Standard deviation, as a share of a positive value, up to which its prior is Gaussian.
+const KNOWN_WITHIN: f64 = 0.25;
+
 /// Longest dead time of a valve that a search can reach, s: two ticks less than the delay line holds at the shortest tick.
 const LONGEST_DELAY_S: f64 = (DELAY_LINE - 2) as f64 * Tick::HalfMillisecond.seconds();
 
@@ -91,12 +111,43 @@ pub struct Free {
 }
 
 impl Free {
+    /// A base parameter with a nominal value and its standard deviation. A positive quantity that is known only roughly moves by its logarithm,
+    /// as it is never negative and may as well be twice as half as large; one whose nominal value is 0 may be anything up to about its deviation.
+    #[must_use]
+    pub fn around(parameter: Parameter, nominal: f64, sigma: f64) -> Self {
+        let is_positive = parameter.description().min >= 0.0 || parameter == Parameter::TankPressure;
+        let freedom = if is_positive && nominal <= 0.0 {
+            Freedom::Logarithm { centre: 0.5 * sigma, spread: 0.7, vanishes: true }
+        } else if is_positive && sigma > KNOWN_WITHIN * nominal {
+            Freedom::Roughly { least: 0.0, nominal, spread: (1.0 + sigma / nominal).ln() }
+        } else {
+            Freedom::Around { nominal, sigma }
+        };
+        Self { parameter, freedom }
+    }
+
+    /// A base parameter that always exceeds `least`.
+    #[must_use]
+    pub fn above(least: f64, parameter: Parameter, nominal: f64, sigma: f64) -> Self {
+        let spread = (1.0 + sigma / (nominal - least)).ln();
+        Self { parameter, freedom: Freedom::Roughly { least, nominal, spread } }
+    }
+
+    /// The largest magnitude within its tolerance, if it has one.
+    #[must_use]
+    pub fn tolerance(&self) -> Option<f64> {
+        if let Freedom::Within { most, .. } = self.freedom { Some(most) } else { None }
+    }
+
     /// The ends of the value's range: those of the parameter itself. A dead time is also limited to what the delay line holds at the shortest tick,
     /// or to the machine file's value if that is longer. Otherwise a search at twice the tick could end at a dead time that is not possible at the
     /// recordings' own tick.
     fn ends(&self) -> (f64, f64) {
         let description = self.parameter.description();
-        let nominal = if let Freedom::Around { nominal, .. } = self.freedom { nominal } else { 0.0 };
+        let nominal = match self.freedom {
+            Freedom::Around { nominal, .. } | Freedom::Roughly { nominal, .. } => nominal,
+            _ => 0.0,
+        };
         let most = match self.parameter {
             Parameter::TransportDelay => description.max.min(LONGEST_DELAY_S.max(nominal)),
             _ => description.max,
@@ -109,6 +160,11 @@ impl Free {
     pub fn value(&self, coordinate: f64) -> f64 {
         let value = match self.freedom {
             Freedom::Around { nominal, sigma } => nominal + sigma * coordinate,
+            Freedom::Roughly { least, nominal, spread } => {
+                least + (nominal - least) * (spread * coordinate).clamp(-40.0, 40.0).exp()
+            }
+            Freedom::Within { most, is_signed: true } => most * (0.5 * coordinate).tanh(),
+            Freedom::Within { most, is_signed: false } => most * 0.5 * (1.0 + (0.5 * coordinate).tanh()),
             Freedom::Signed { sigma } => sigma * REACH_SIGNED * (coordinate / REACH_SIGNED).tanh(),
             Freedom::Logarithm { centre, spread, vanishes } => {
                 centre * (spread * reached(coordinate, vanishes)).max(-40.0).exp()
@@ -123,6 +179,13 @@ impl Free {
     pub fn coordinate(&self, value: f64) -> f64 {
         match self.freedom {
             Freedom::Around { nominal, sigma } => (value - nominal) / sigma,
+            Freedom::Roughly { least, nominal, spread } => {
+                ((value - least) / (nominal - least)).max(1e-17).ln() / spread
+            }
+            Freedom::Within { most, is_signed } => {
+                let share = if is_signed { value / most } else { 2.0 * value / most - 1.0 };
+                2.0 * share.clamp(-0.99, 0.99).atanh()
+            }
             Freedom::Signed { sigma } => REACH_SIGNED * (value / sigma / REACH_SIGNED).clamp(-0.99, 0.99).atanh(),
             Freedom::Logarithm { centre, spread, vanishes } => {
                 let deviations = (value / centre).max(1e-17).ln() / spread;
@@ -147,6 +210,11 @@ impl Free {
         match self.freedom {
             _ if self.at_bound(coordinate) => 0.0,
             Freedom::Around { sigma, .. } => sigma,
+            Freedom::Roughly { least, spread, .. } => spread * (self.value(coordinate) - least),
+            Freedom::Within { most, is_signed } => {
+                let whole = if is_signed { most } else { 0.5 * most };
+                0.5 * whole * (1.0 - (0.5 * coordinate).tanh().powi(2))
+            }
             Freedom::Signed { sigma } => sigma * (1.0 - (coordinate / REACH_SIGNED).tanh().powi(2)),
             Freedom::Logarithm { spread, vanishes, .. } => {
                 let share = reached(coordinate, vanishes) / REACH;

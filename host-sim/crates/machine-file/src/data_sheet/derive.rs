@@ -7,6 +7,8 @@ use recording::display_unit::significant;
 
 use super::item::{Answers, Item};
 use super::quantity::Quantity;
+use super::spool::{DAMPING, DAMPING_WITHIN, DEAD_TIME, Spool};
+use super::tolerances::{Size, ZERO_LAP};
 
 /// Over what the rated pressure drop of a valve stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,7 +58,7 @@ pub struct Entry {
     pub why: String,
 }
 
-/// A standard deviation of `[fit.sigma]`.
+/// A standard deviation of `[fit.sigma]`, or a largest magnitude of `[fit.tolerance]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sigma {
     /// The full key of the parameter.
@@ -74,6 +76,8 @@ pub struct Derived {
     pub entries: Vec<Entry>,
     /// Standard deviations.
     pub sigma: Vec<Sigma>,
+    /// Largest magnitudes of what every installed drive has within its drawing.
+    pub tolerance: Vec<Sigma>,
 }
 
 /// Why the answers do not describe a drive.
@@ -129,17 +133,18 @@ fn flags(items: &[Item]) -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
-/// −2·ln(1 − √0.9): the time to 90 % of two lags in series, one of which is twice the other, divided by the shorter lag.
-fn response_of_lags() -> f64 {
-    -2.0 * (1.0 - 0.9_f64.sqrt()).ln()
-}
-
-/// Dead time as a share of the response time.
-const DEAD_TIME: f64 = 0.05;
 /// Dead volume as a share of the chamber at mid-stroke, where none is given.
 const DEAD_VOLUME: f64 = 0.05;
 /// Friction at full speed as a share of the force at supply pressure, where none is given.
 const FRICTION: f64 = 0.1;
+/// Standard deviation of the supply pressure, as a share of it.
+const SUPPLY_WITHIN: f64 = 0.01;
+/// Pressure in the tank line, Pa gauge, where none is given.
+const TANK_PA: f64 = 2e5;
+/// Standard deviation of the load, as a share of the full force: weights that nobody counts.
+const LOAD_WITHIN: f64 = 0.01;
+/// Standard deviation of a given dead volume, as a share of it.
+const DEAD_VOLUME_WITHIN: f64 = 0.2;
 /// Pump speed that is taken as full speed, rev/s.
 const PUMP_REV_PER_S: f64 = 25.0;
 /// Bulk modulus, Pa, where none is given: oil with the usual small amount of air, in a real cylinder and not in a laboratory.
@@ -166,22 +171,49 @@ pub fn derived(answers: &Answers, edges: Edges) -> Result<Derived, SheetError> {
     let mut made = Derived::default();
     let supply = sheet.needed(Item::Supply)?;
     made.given("supply", "pressure_pa", supply, supply.si);
+    made.sigma("supply.pressure_pa", SUPPLY_WITHIN * supply.si, "given: a relief valve is set to within 1 %");
+    made.push(
+        "supply",
+        "tank_pressure_pa",
+        vec![TANK_PA],
+        Origin::Assumed,
+        "filter and pipe to the tank, gauge".to_owned(),
+    );
+    made.sigma("supply.tank_pressure_pa", TANK_PA, "assumed: half to twice as much, never below 0");
     if let Some(limit) = answers.get(Item::FlowLimit) {
         made.given("supply", "flow_limit_m3_per_s", limit, limit.si);
     }
     let area_a = PI / 4.0 * bore.si * bore.si;
     let area_b = area_a - PI / 4.0 * rod.si * rod.si;
-    let speed =
+    let full =
         if answers.is_pump() { made.pump(&sheet, area_a)? } else { made.valve(&sheet, edges, (area_a, area_b))? };
-    made.cylinder(&sheet, (area_a, area_b), &speed)?;
+    let dead_m3 = made.cylinder(&sheet, (area_a, area_b), &full)?;
     let load = answers.get(Item::Load);
     match load {
         Some(load) => {
             made.given("load", "force_n", load, load.si);
-            made.sigma("load.force_n", 0.05 * load.si.abs(), "given: within 5 %");
+            let within = (0.05 * load.si.abs()).hypot(LOAD_WITHIN * supply.si * area_a);
+            made.sigma("load.force_n", within, "given: within 5 %, and 1 % of full force");
         }
-        None => made.push("load", "force_n", vec![0.0], Origin::Assumed, "no load was named".to_owned()),
+        None => {
+            made.push("load", "force_n", vec![0.0], Origin::Assumed, "no load was named".to_owned());
+            made.sigma("load.force_n", LOAD_WITHIN * supply.si * area_a, "assumed: within 1 % of full force");
+        }
     }
+    let overlap = answers.get(Item::Overlap).map_or(0.0, |overlap| overlap.si);
+    let rated = answers.get(Item::SpoolAtRated).map_or(1.0, |reading| reading.si);
+    let flow_m3_per_s = full.m_per_s * area_a;
+    let size = Size {
+        pump: answers.is_pump(),
+        supply_pa: supply.si,
+        force_n: supply.si * area_a,
+        flow_m3_per_s,
+        rated,
+        overlap,
+        dead_m3,
+    };
+    made.shapes(&size);
+    made.tolerance = size.tolerances();
     Ok(made)
 }
 
@@ -256,10 +288,13 @@ impl Derived {
         }
         if let Some(time) = given(Item::ValveStrokeTime) {
             let why = format!("x_N over {time} of travel at the largest speed");
-            self.push("valve", "rate_limit_per_s", vec![rated / time.si], Origin::Derived, why);
-            self.sigma("valve.rate_limit_per_s", 0.1 * rated / time.si, "given: within 10 %");
+            self.push("valve", "speed_limit_per_s", vec![rated / time.si], Origin::Derived, why);
+            self.sigma("valve.speed_limit_per_s", 0.15 * rated / time.si, "given: within 15 %");
+            let why = "0 where a pilot stage opens no further, many where the speed itself is limited";
+            self.push("valve", "speed_overdrive", vec![0.5], Origin::Assumed, why.to_owned());
+            self.sigma("valve.speed_overdrive", 2.0, "assumed: a fit tries both");
         }
-        self.lags(sheet.needed(Item::ValveResponse)?);
+        self.spool(sheet);
 
         let (flow, drop) = (sheet.needed(Item::RatedFlow)?, sheet.needed(Item::RatedDrop)?);
         let (edge_pa, over) = match edges {
@@ -278,16 +313,43 @@ impl Derived {
         Ok(FullSpeed { m_per_s: free.min(limit), how: "extending without load" })
     }
 
-    fn lags(&mut self, response: &Quantity) {
-        let delay = DEAD_TIME * response.si;
-        let shorter = (response.si - delay) / response_of_lags();
-        let why = format!("T1 = (t_90 − T_t)/5.939, T2 = 2·T1, from {response} to 90 %");
-        self.push("valve", "time_constants_s", vec![shorter, 2.0 * shorter], Origin::Derived, why);
-        let why = format!("a twentieth of the {response} to 90 %");
-        self.push("valve", "transport_delay_s", vec![delay], Origin::Assumed, why);
-        self.sigma("valve.time_constants_s[0]", 0.3 * shorter, "derived from one number: within 30 %");
-        self.sigma("valve.time_constants_s[1]", 0.6 * shorter, "derived from one number: within 30 %");
-        self.sigma("valve.transport_delay_s", 0.5 * delay, "assumed: within a half");
+    /// The spool as a second-order system, and its dead time.
+    fn spool(&mut self, sheet: &Sheet<'_>) {
+        let given = |item| sheet.answers.get(item);
+        let Some(spool) = Spool::of(given) else { return };
+        let table = "valve";
+        self.push(table, "natural_frequency_hz", vec![spool.hertz], spool.origin, spool.why);
+        self.sigma("valve.natural_frequency_hz", spool.within * spool.hertz, spool.known);
+        match given(Item::ValveDamping) {
+            Some(damping) => {
+                self.given(table, "damping", damping, damping.si);
+                self.sigma("valve.damping", 0.15 * damping.si, "given: within 15 %");
+            }
+            None => {
+                self.push(table, "damping", vec![DAMPING], Origin::Assumed, "hardly overshoots".to_owned());
+                self.sigma("valve.damping", DAMPING_WITHIN * DAMPING, "assumed: half to twice as much");
+            }
+        }
+        let why = format!("a twentieth of {} ms to 90 %", significant(1e3 * spool.response_s, 3));
+        self.push(table, "transport_delay_s", vec![DEAD_TIME * spool.response_s], Origin::Assumed, why);
+        self.sigma("valve.transport_delay_s", 0.5 * DEAD_TIME * spool.response_s, "assumed: within a half");
+    }
+
+    /// How friction of seals and rounded edges act, whose amounts are tolerances.
+    fn shapes(&mut self, size: &Size) {
+        let mut roughly = |table, key, whole: &'static str, value: f64, why: &str| {
+            self.push(table, key, vec![value], Origin::Assumed, why.to_owned());
+            self.sigma(whole, value, "assumed: half to twice as much");
+        };
+        if size.overlap < ZERO_LAP && !size.pump {
+            let (whole, why) = ("effects.valve-leakage.reach", "rounded edges: a hundredth of the travel");
+            roughly("effects.valve-leakage", "reach", whole, 0.01 * size.rated, why);
+        }
+        let (whole, why) = ("effects.stribeck-friction.velocity_m_per_s", "seals break away below about 10 mm/s");
+        roughly("effects.stribeck-friction", "velocity_m_per_s", whole, 0.01, why);
+        let (whole, why) =
+            ("effects.presliding.stiffness_n_per_m", "seals yield by 30 µm under a friction of 1.5 % of full force");
+        roughly("effects.presliding", "stiffness_n_per_m", whole, 0.015 * size.force_n / 3e-5, why);
     }
 
     fn pump(&mut self, sheet: &Sheet<'_>, area_a: f64) -> Result<FullSpeed, SheetError> {
@@ -302,7 +364,7 @@ impl Derived {
         sheet: &Sheet<'_>,
         (area_a, area_b): (f64, f64),
         speed: &FullSpeed,
-    ) -> Result<(), SheetError> {
+    ) -> Result<f64, SheetError> {
         let (bore, rod) = (sheet.needed(Item::Bore)?, sheet.needed(Item::Rod)?);
         let (stroke, supply) = (sheet.needed(Item::Stroke)?, sheet.needed(Item::Supply)?);
         let given = |item| sheet.answers.get(item);
@@ -312,16 +374,20 @@ impl Derived {
         self.given(table, "stroke_m", stroke, stroke.si);
 
         let (dead, how, known) = dead_volume(sheet.answers)?;
+        let dead_m3 = dead.unwrap_or(0.5 * DEAD_VOLUME * area_a * stroke.si);
         for (key, whole, area) in
             [("volume_a_m3", "cylinder.volume_a_m3", area_a), ("volume_b_m3", "cylinder.volume_b_m3", area_b)]
         {
             let half = 0.5 * area * stroke.si;
             let volume = half + dead.unwrap_or(DEAD_VOLUME * half);
             self.push(table, key, vec![volume], Origin::Derived, format!("area · stroke/2, at mid-stroke, and {how}"));
-            if !known {
+            if known {
+                self.sigma(whole, DEAD_VOLUME_WITHIN * dead_m3, "given: the dead volume within 20 %");
+            } else {
                 self.sigma(whole, DEAD_VOLUME * half, "as much as the dead volume that was assumed");
             }
         }
+        self.push(table, "volume_follows_piston", vec![1.0], Origin::Assumed, "as in every cylinder".to_owned());
         if let Some(modulus) = given(Item::BulkModulus) {
             self.given(table, "bulk_modulus_pa", modulus, modulus.si);
             self.sigma("cylinder.bulk_modulus_pa", 0.1 * modulus.si, "given: within 10 %, for air and hoses soften it");
@@ -350,7 +416,7 @@ impl Derived {
             self.push(table, key, vec![damping], Origin::Assumed, why);
             self.sigma("cylinder.viscous_friction_n_s_per_m", 2.0 * damping, "assumed: the order of size");
         }
-        Ok(())
+        Ok(dead_m3)
     }
 }
 
@@ -425,15 +491,6 @@ mod tests {
         let both = value(&derived(&press(), Edges::Both).unwrap(), "flow_coefficient");
         let edge = value(&derived(&press(), Edges::Edge).unwrap(), "flow_coefficient");
         assert!((both / edge / 2.0_f64.sqrt() - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn the_lags_reach_90_percent_when_the_data_sheet_says() {
-        let shorter = (0.096 - 0.0048) / response_of_lags();
-        let u = (-(0.096 - 0.0048) / (2.0 * shorter)).exp();
-        // The step response of two lags T and 2 T is 1 − 2 e^(−t/2T) + e^(−t/T).
-        assert!((1.0 - 2.0 * u + u * u - 0.9).abs() < 1e-12);
-        assert!((response_of_lags() - 5.939).abs() < 1e-3);
     }
 
     #[test]

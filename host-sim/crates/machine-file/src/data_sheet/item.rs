@@ -13,6 +13,8 @@ pub enum Need {
     Always,
     /// Every drive with a valve needs it.
     OfValve,
+    /// Every drive with a valve needs at least one of these flags.
+    OneOf(&'static [&'static str]),
     /// It makes the drive a pump-controlled one.
     MakesPump,
     /// A drive with a valve may have it; the text says what is assumed otherwise.
@@ -70,7 +72,10 @@ macro_rules! items {
     };
 }
 
-use Need::{Always, MakesPump, May, MayOfValve, OfValve};
+use Need::{Always, MakesPump, May, MayOfValve, OfValve, OneOf};
+
+/// Flags that say how fast a spool is.
+const SPEEDS: &[&str] = &["valve-response", "valve-frequency", "valve-natural-frequency"];
 
 items! {
     Bore "bore" Always, [Length] Positive, "63mm", "Diameter of the piston";
@@ -84,7 +89,11 @@ items! {
     RatedDrop "rated-drop" OfValve, [Pressure] Positive, "5bar",
         "Rated pressure drop, over one edge unless --rated-drop-over says both: usually 35 bar an edge of servo valves, 5 bar of proportional ones";
     RatedSignal "rated-signal" OfValve, [Voltage Current] Positive, "10V", "Signal at which the valve is fully open";
-    ValveResponse "valve-response" OfValve, [Time] Positive, "50ms", "Time of the spool from 0 to 90 % after a small step, dead time included";
+    ValveResponse "valve-response" OneOf(SPEEDS), [Time] Positive, "50ms", "Time of the spool from 0 to 90 % after a small step, dead time included";
+    ValveFrequency "valve-frequency" OneOf(SPEEDS), [Frequency] Positive, "20Hz",
+        "Frequency at which the spool is 90° late, for a small signal";
+    NaturalFrequency "valve-natural-frequency" OneOf(SPEEDS), [Frequency] Positive, "25Hz", "Natural frequency of the spool as a second-order system";
+    ValveDamping "valve-damping" MayOfValve("80 %"), [Ratio] Positive, "70%", "Damping ratio of the spool: below 100 % it overshoots";
     Overlap "overlap" MayOfValve("none, as of a zero-lapped valve"), [Ratio] Share, "15%",
         "Overlap: share of the spool's travel at the rated signal that passes no oil, to each side";
     SpoolAtRated "spool-at-rated" MayOfValve("100 %"), [Ratio] Positive, "100%", "What the spool's sensor reads at the rated signal";
@@ -125,19 +134,19 @@ impl Item {
     pub const fn belongs(self, pump: bool) -> bool {
         match self.question().need {
             Always | May(_) => true,
-            OfValve | MayOfValve(_) => !pump,
+            OfValve | MayOfValve(_) | OneOf(_) => !pump,
             MakesPump => pump,
         }
     }
 
-    /// Whether a drive of this kind requires it.
+    /// Whether a drive of this kind requires it, whatever else is given.
     #[must_use]
     pub const fn is_needed(self, pump: bool) -> bool {
         match self.question().need {
             Always => true,
             OfValve => !pump,
             MakesPump => pump,
-            May(_) | MayOfValve(_) => false,
+            May(_) | MayOfValve(_) | OneOf(_) => false,
         }
     }
 }
@@ -168,7 +177,16 @@ impl Answers {
     #[must_use]
     pub fn missing(&self) -> Vec<Item> {
         let pump = self.is_pump();
-        Item::ALL.iter().copied().filter(|item| item.is_needed(pump) && self.get(*item).is_none()).collect()
+        let given =
+            |flag: &&str| Item::ALL.iter().any(|item| item.question().flag == *flag && self.get(*item).is_some());
+        let lacks = |item: &Item| match item.question().need {
+            // The first of them stands for all.
+            OneOf(flags) => {
+                !pump && flags.first() == Some(&item.question().flag) && !flags.iter().any(|flag| given(flag))
+            }
+            _ => item.is_needed(pump) && self.get(*item).is_none(),
+        };
+        Item::ALL.iter().copied().filter(lacks).collect()
     }
 }
 

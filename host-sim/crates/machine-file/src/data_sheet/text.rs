@@ -37,6 +37,13 @@ pub fn toml(name: &str, made: &Derived) -> String {
         line(&mut text, &format!("\"{}\" = {}", sigma.key, plain(value)), &sigma.why);
     }
     text.push_str(
+        "\n# What every installed drive has within its drawing, up to this much: a fit may use it, and it is a finding only beyond.\n[fit.tolerance]\n",
+    );
+    for tolerance in &made.tolerance {
+        let value = format!("{:.1e}", tolerance.value).parse().unwrap_or(tolerance.value);
+        line(&mut text, &format!("\"{}\" = {}", tolerance.key, plain(value)), &tolerance.why);
+    }
+    text.push_str(
         "\n# Where the columns of the recordings have other names: position = \"Kolbenweg [mm]\"; `host-sim inspect --help` has the names.\n\
          [channels]\n",
     );

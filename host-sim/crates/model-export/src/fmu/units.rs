@@ -39,6 +39,7 @@ pub(crate) fn quantity(dimension: Dimension) -> Quantity {
         Dimension::Volume => ("Volume", "m3", Some(([0, 3, 0, 0], 1.0)), Some(("l", 1e3))),
         Dimension::Mass => ("Mass", "kg", Some(([1, 0, 0, 0], 1.0)), None),
         Dimension::Displacement => ("Displacement", "m3/rev", Some(([0, 3, 0, -1], 1.0 / TAU)), None),
+        Dimension::Frequency => ("Frequency", "Hz", Some(([0, 0, -1, 0], 1.0)), None),
     };
     Quantity { name, unit, base, shown }
 }

@@ -6,7 +6,7 @@
 //! effect with a memory needs an extra state.
 
 pub(crate) mod cavitation;
-mod chambers;
+pub(crate) mod chambers;
 pub(crate) mod flow;
 pub(crate) mod friction;
 pub(crate) mod load;

@@ -20,7 +20,7 @@ pub fn truth_near(nominal: &Machine<f64>, sigma: &BTreeMap<Parameter, f64>, spre
 }
 
 /// Parameters that were added to the table later, between others.
-const LATER: [Parameter; 9] = [
+const LATER: [Parameter; 14] = [
     Parameter::LevelAtRest,
     Parameter::ViscosityLossPerKelvin,
     Parameter::ReferenceTemperature,
@@ -30,6 +30,11 @@ const LATER: [Parameter; 9] = [
     Parameter::MeteringPorts,
     Parameter::MeteringDirections,
     Parameter::CavitationFloor,
+    Parameter::NaturalFrequency,
+    Parameter::SpoolDamping,
+    Parameter::SpoolSpeedLimit,
+    Parameter::VolumeFollows,
+    Parameter::SpeedOverdrive,
 ];
 
 /// A random stream for each parameter; the first streams belong to the sensors. Parameters that were added later do not shift the streams of

@@ -22,6 +22,21 @@ pub(crate) struct SpoolParameters {
     pub(crate) time_constants_s: [f64; 2],
     /// Dead time, s. (16)
     pub(crate) delay_s: f64,
+    /// A mass on a spring in place of both lags, where the spool is one.
+    pub(crate) swings: Option<Swings>,
+    /// Largest speed of the spool itself, 1/s; may be infinite.
+    pub(crate) speed_per_s: f64,
+}
+
+/// A spool as a mass on a damped spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Swings {
+    /// Stiffness over mass, 1/s².
+    pub(crate) pull_per_s2: f64,
+    /// Damping over mass, 1/s.
+    pub(crate) drag_per_s: f64,
+    /// The pull that it can be given, as a multiple of the one that keeps it at its largest speed.
+    pub(crate) pulled: f64,
 }
 
 impl SpoolParameters {
@@ -34,7 +49,25 @@ impl SpoolParameters {
             rate_per_s: machine.get(Parameter::RateLimit),
             time_constants_s: [machine.get(Parameter::TimeConstant1), machine.get(Parameter::TimeConstant2)],
             delay_s: machine.get(Parameter::TransportDelay),
+            swings: Swings::of(machine),
+            speed_per_s: machine.get(Parameter::SpoolSpeedLimit),
         }
+    }
+}
+
+impl Swings {
+    fn of(machine: &Machine<f64>) -> Option<Self> {
+        let per_s = std::f64::consts::TAU * machine.get(Parameter::NaturalFrequency);
+        let drag_per_s = 2.0 * machine.get(Parameter::SpoolDamping) * per_s;
+        let pulled = 1.0 + machine.get(Parameter::SpeedOverdrive);
+        (per_s > 0.0).then_some(Self { pull_per_s2: per_s * per_s, drag_per_s, pulled })
+    }
+}
+
+impl SpoolParameters {
+    /// Whether its motion has a closed form.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.swings.is_none() && self.speed_per_s.is_infinite()
     }
 }
 
@@ -180,8 +213,15 @@ mod tests {
     use super::*;
 
     fn spool(lags: [f64; 2], rate_per_s: f64, delay_s: f64) -> Spool {
-        let parameters =
-            SpoolParameters { gain_per_v: 0.05, offset: 0.01, rate_per_s, time_constants_s: lags, delay_s };
+        let parameters = SpoolParameters {
+            gain_per_v: 0.05,
+            offset: 0.01,
+            rate_per_s,
+            time_constants_s: lags,
+            delay_s,
+            swings: None,
+            speed_per_s: f64::INFINITY,
+        };
         Spool::at_rest(parameters, 0.0, 0.0)
     }
 

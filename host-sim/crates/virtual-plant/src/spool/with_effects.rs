@@ -1,10 +1,10 @@
-//! A spool with effects: small steps over the exact set value, joined by a smooth curve.
+//! A spool that has no closed form (effects, a mass on a spring, a largest speed): small steps over the exact set value, joined by a smooth curve.
 //!
 //! The set value after rate limit and delay is exact ([`Spool`] without lags). On it act, in this order: hysteresis, saturation and
-//! drift on the set value; the two lags, exact over each step for a set value that is linear in it; flow force, which shifts the target
-//! of the second lag; stiction on the result. Steps of at most 0.125 ms keep the error of the spool within 1e-5 of its travel.
+//! drift on the set value; the two lags, exact over each step for a set value that is linear in it, or a mass on a damped spring, by the midpoint
+//! rule in finer steps; flow force, which shifts the target of the second lag or of the spring; the largest speed; stiction on the result. Steps of at most 0.125 ms keep the error of the spool within 1e-5 of its travel.
 
-use super::linear::{Spool, SpoolParameters};
+use super::linear::{Spool, SpoolParameters, Swings};
 use crate::effect::valve::ValveEffect;
 use crate::flow::edges::Edges;
 use crate::physics::State;
@@ -138,6 +138,8 @@ struct FlowForce {
 pub(crate) struct ShapedSpool {
     set: Spool,
     lags_s: [f64; 2],
+    swings: Option<Swings>,
+    speed_per_s: f64,
     shapes: Vec<Shape>,
     sticking: Option<Sticking>,
     flow_force: FlowForce,
@@ -149,8 +151,10 @@ pub(crate) struct ShapedSpool {
     inner: f64,
     /// The position to which the second lag's spring pulls.
     pulled_to: f64,
-    /// Output of the second lag: the spool position, if it does not stick.
+    /// Output of the second lag or of the spring: the spool position, if it does not stick.
     free: f64,
+    /// Speed of a mass on a spring, 1/s.
+    moves_per_s: f64,
     x: f64,
     curve: Curve,
 }
@@ -158,7 +162,8 @@ pub(crate) struct ShapedSpool {
 impl ShapedSpool {
     /// At rest on the set value of `command_v`.
     pub(crate) fn at_rest(parameters: SpoolParameters, effects: &[ValveEffect], start_s: f64, command_v: f64) -> Self {
-        let unlagged = SpoolParameters { time_constants_s: [0.0; 2], ..parameters };
+        let unlagged =
+            SpoolParameters { time_constants_s: [0.0; 2], swings: None, speed_per_s: f64::INFINITY, ..parameters };
         let raw = parameters.gain_per_v * command_v + parameters.offset;
         let mut shapes: Vec<Shape> = effects.iter().filter_map(|&effect| Shape::of(effect, raw, start_s)).collect();
         let x = shapes.iter_mut().fold(raw, |set, shape| shape.pass(start_s, set, set));
@@ -176,7 +181,9 @@ impl ShapedSpool {
         });
         Self {
             set: Spool::at_rest(unlagged, start_s, command_v),
-            lags_s: parameters.time_constants_s,
+            lags_s: if parameters.swings.is_some() { [0.0; 2] } else { parameters.time_constants_s },
+            swings: parameters.swings,
+            speed_per_s: parameters.speed_per_s,
             shapes,
             sticking,
             flow_force: flow_force.unwrap_or_default(),
@@ -186,6 +193,7 @@ impl ShapedSpool {
             inner: x,
             pulled_to: x,
             free: x,
+            moves_per_s: 0.0,
             x,
             curve: Curve::resting_at(start_s, x),
         }
@@ -228,9 +236,22 @@ impl ShapedSpool {
         let (pushed, slower) = self.pushed(edges, state);
         let pulled_to = inner - pushed;
         let lag_s = self.lags_s[1] + slower;
-        let free = lagged(self.free, self.pulled_to, pulled_to, step_s, lag_s);
+        let (moved_from, limit) = (self.moves_per_s, self.speed_per_s);
+        let free = match self.swings {
+            Some(swings) => {
+                let pull = [self.pulled_to, pulled_to];
+                let (free, moves_per_s) = swings.moved((self.free, self.moves_per_s), pull, step_s, limit);
+                self.moves_per_s = moves_per_s;
+                free
+            }
+            None => {
+                let free = lagged(self.free, self.pulled_to, pulled_to, step_s, lag_s);
+                self.free + (free - self.free).clamp(-limit * step_s, limit * step_s)
+            }
+        };
+        let (is_swinging, moves_to) = (self.swings.is_some(), self.moves_per_s);
         let speed = |target: f64, at: f64, from: f64, to: f64| {
-            if lag_s > 0.0 { (target - at) / lag_s } else { (to - from) / step_s }
+            if lag_s > 0.0 { ((target - at) / lag_s).clamp(-limit, limit) } else { (to - from) / step_s }
         };
         let (free_from, pulled_from) = (self.free, self.pulled_to);
         self.free = free;
@@ -239,8 +260,12 @@ impl ShapedSpool {
         match &mut self.sticking {
             None => {
                 self.x = free;
-                let speed_from = speed(pulled_from, free_from, free_from, free);
-                Step { from, to: free, speed_from, speed_to: speed(pulled_to, free, free_from, free) }
+                let [speed_from, speed_to] = if is_swinging {
+                    [moved_from, moves_to]
+                } else {
+                    [speed(pulled_from, free_from, free_from, free), speed(pulled_to, free, free_from, free)]
+                };
+                Step { from, to: free, speed_from, speed_to }
             }
             Some(sticking) => {
                 self.x = sticking.moved(from, free, step_s);
@@ -258,6 +283,27 @@ impl ShapedSpool {
         let across_pa = (state.supply - high + low).max(0.0);
         let slower = if opening.abs() > 0.0 { self.flow_force.braking_s_per_root_pa * across_pa.sqrt() } else { 0.0 };
         (self.flow_force.closing_per_pa * opening * across_pa, slower)
+    }
+}
+
+/// Finer steps of a mass on a spring within a step.
+const FINER: u32 = 8;
+
+impl Swings {
+    /// Position and speed of the mass after a step in which the spring's foot moves along `pull`; by the midpoint rule.
+    fn moved(self, (mut x, mut v): (f64, f64), pull: [f64; 2], step_s: f64, limit: f64) -> (f64, f64) {
+        let fine_s = step_s / f64::from(FINER);
+        let most = self.pulled * limit * self.drag_per_s;
+        let gains =
+            |x: f64, v: f64, foot: f64| (self.pull_per_s2 * (foot - x)).clamp(-most, most) - self.drag_per_s * v;
+        for index in 0..FINER {
+            let foot = |share: f64| pull[0] + (pull[1] - pull[0]) * (f64::from(index) + share) / f64::from(FINER);
+            let (half_x, half_v) = (x + 0.5 * fine_s * v, v + 0.5 * fine_s * gains(x, v, foot(0.0)));
+            let half_v = half_v.clamp(-limit, limit);
+            x += fine_s * half_v;
+            v = (v + fine_s * gains(half_x, half_v, foot(0.5))).clamp(-limit, limit);
+        }
+        (x, v)
     }
 }
 

@@ -152,10 +152,19 @@ impl Candidate {
     pub fn unstuck(self, question: &Question<'_>) -> Result<Self, FitError> {
         let lost: Vec<(Parameter, f64)> =
             self.vanished(question.scene).into_iter().chain(self.stranded(question.scene)).collect();
-        if lost.is_empty() {
-            return Ok(self);
+        let again = if lost.is_empty() { self } else { self.or_from(question, &lost)? };
+        // Where much is free, a model without the effect leads the base parameters to places from which no search comes back.
+        if again.is_pulled(question) && question.base_parameters.iter().any(|free| free.tolerance().is_some()) {
+            let nominal: Vec<_> =
+                question.base_parameters.iter().map(|free| (free.parameter, free.value(0.0))).collect();
+            return again.or_from(question, &nominal);
         }
-        let again = self.again_from(question, &lost)?;
+        Ok(again)
+    }
+
+    /// This candidate model, or the one that a refit from these values of some of its parameters ends at, if its loss is smaller.
+    fn or_from(self, question: &Question<'_>, values: &[(Parameter, f64)]) -> Result<Self, FitError> {
+        let again = self.again_from(question, values)?;
         Ok(if again.fit.loss < self.fit.loss { again } else { self })
     }
 

@@ -1,10 +1,11 @@
 //! Where the fit of a candidate model has ended: whether its effect parameters are possible and not negligible, and how far the base parameters are
 //! pulled from their nominal values.
 
+use identification::fit::Free;
 use model_core::machine::Parameter;
 
 use super::{Candidate, Chosen, Question, effect_parameters};
-use crate::catalogue::{EffectParameter, Form, Kind, Scene};
+use crate::catalogue::{EffectParameter, Form, Kind, Scene, tolerance};
 use crate::selection::decision_rule::{
     AMOUNT_NEGLIGIBLE, FIRM_FROM, HARDLY_JUMPS_FROM, PLACE_WITHIN, PRESSED, PRESSED_SIGNED, PULLED_TOO_FAR_QUANTILE,
     SHAPES_A_PLAY_BELOW, SIGNED_NEGLIGIBLE,
@@ -81,15 +82,27 @@ impl Candidate {
     }
 
     /// Whether it may be accepted: it is possible, and amounts that are never small on a real drive are large enough. A stop as soft as a spring is
-    /// no stop, and a stiction that only shapes a play is no stiction. Both are ranked all the same, since nothing less likely may be accepted in
-    /// their place.
+    /// no stop, a stiction that only shapes a play is no stiction, and what stays within its tolerance is no finding. They are ranked all the same,
+    /// since nothing less likely may be accepted in their place.
     #[must_use]
-    pub fn is_plausible(&self, scene: &Scene<'_>) -> bool {
+    pub fn is_plausible(&self, question: &Question<'_>) -> bool {
+        let scene = question.scene;
         let firm = |effect_parameter: &EffectParameter| match effect_parameter.kind {
             Kind::Firm(_) => self.coordinate(scene, effect_parameter) > FIRM_FROM,
             _ => true,
         };
-        self.is_possible(scene) && !self.shapes_a_play() && self.effects.iter().flat_map(|chosen| chosen.form).all(firm)
+        self.is_possible(scene)
+            && !self.shapes_a_play()
+            && self.effects.iter().all(|chosen| self.is_beyond_tolerance(question, chosen))
+            && self.effects.iter().flat_map(|chosen| chosen.form).all(firm)
+    }
+
+    /// Whether an amount of an effect is larger than its tolerance, or has none.
+    fn is_beyond_tolerance(&self, question: &Question<'_>, chosen: &Chosen) -> bool {
+        let value = |parameter| self.fit.machine.get(parameter);
+        let mut amounts = chosen.form.iter().filter(|effect_parameter| effect_parameter.is_amount()).peekable();
+        amounts.peek().is_none()
+            || amounts.any(|own| value(own.parameter).abs() > tolerance(question.base_parameters, own.parameter))
     }
 
     /// Whether its stiction only shapes the play beside it. A stiction that keeps most of its band hardly jumps and acts like a play of twice the
@@ -111,7 +124,9 @@ impl Candidate {
     /// in its standard deviation.
     #[must_use]
     pub fn pulled(&self, question: &Question<'_>) -> f64 {
-        let own = self.fit.coordinates.iter().take(question.base_parameters.len());
+        let is_base = |free: &Free| question.base_parameters.contains(free);
+        let fitted = self.fit.free.iter().zip(&self.fit.coordinates);
+        let own = fitted.filter(|(free, _)| is_base(free)).map(|(_, coordinate)| coordinate);
         0.5 * own.map(|coordinate| coordinate * coordinate).sum::<f64>()
     }
 

@@ -2,6 +2,7 @@
 
 use identification::experiment::Prepared;
 use identification::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened_all};
+use identification::parallel;
 use model_core::machine::{Machine, Parameter};
 
 use super::{Candidate, Chosen, Question, effect_parameters};
@@ -64,10 +65,16 @@ impl Candidate {
         solution: Option<&Fit>,
         precision: f64,
     ) -> Result<Self, FitError> {
-        let from = From { solution, ..From::default() };
         let searched = |training: &[&Prepared]| {
-            let found = fit(question.scene.machine, question.base_parameters, training, &from, precision)?;
-            Self::of(question, Vec::new(), found, Vec::new(), precision <= PRECISION)
+            let from_there = |coordinates: &[(Parameter, f64)]| {
+                let from = From { solution, coordinates, moved: &[] };
+                fit(question.scene.machine, question.base_parameters, training, &from, precision)
+            };
+            let starts =
+                if solution.is_some() { vec![Vec::new()] } else { cases_of_structure(question.base_parameters) };
+            let found = parallel::try_each(starts, |start| from_there(&start))?;
+            let best = found.into_iter().min_by(|a, b| a.loss.total_cmp(&b.loss)).expect("there is at least one start");
+            Self::of(question, Vec::new(), best, Vec::new(), precision <= PRECISION)
         };
         if precision <= PRECISION {
             return searched(question.training);
@@ -148,12 +155,29 @@ impl Candidate {
     }
 }
 
-/// What a fit moves: the base parameters, and every effect parameter with a usable derivative.
+/// A spool that can be pulled this many times harder than its largest speed takes is limited in its speed alone.
+const OVERDRIVEN: f64 = 20.0;
+
+/// Starts of a first search for a machine of unknown structure: nobody knows whether the speed of a spool is limited or the pull on it, and from
+/// one of these a search does not come to the other.
+fn cases_of_structure(base_parameters: &[Free]) -> Vec<Vec<(Parameter, f64)>> {
+    let overdriven = base_parameters.iter().find(|free| free.parameter == Parameter::SpeedOverdrive);
+    overdriven.map_or_else(
+        || vec![Vec::new()],
+        |free| [1.0 / OVERDRIVEN, OVERDRIVEN].map(|value| vec![(free.parameter, free.coordinate(value))]).into(),
+    )
+}
+
+/// What a fit moves: the base parameters, and every effect parameter with a usable derivative. An effect takes its own parameters over from their
+/// tolerances.
 fn free(question: &Question<'_>, effects: &[Chosen]) -> Vec<Free> {
-    let smooth = effect_parameters(effects).into_iter().filter(|effect_parameter| !effect_parameter.is_jump());
+    let of_effects = effect_parameters(effects);
+    let is_taken = |free: &&Free| of_effects.iter().any(|own| own.parameter == free.parameter);
+    let smooth = of_effects.iter().filter(|effect_parameter| !effect_parameter.is_jump());
     question
         .base_parameters
         .iter()
+        .filter(|free| !is_taken(free))
         .copied()
         .chain(smooth.map(|effect_parameter| effect_parameter.free(question.scene)))
         .collect()

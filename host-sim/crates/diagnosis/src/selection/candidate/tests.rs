@@ -41,7 +41,8 @@ fn a_spring_that_begins_inside_the_stroke_is_no_stop_however_damped() {
         let values =
             [(Parameter::StopStiffness, stiffness), (Parameter::StopExtended, 0.24), (Parameter::StopDamping, damping)];
         let candidate = accepted_alone("end-stop", &scene, &[], &machine.with(&values));
-        (candidate.is_possible(&scene), candidate.is_plausible(&scene))
+        let question = Question { scene: &scene, base_parameters: &[], hypotheses: &[], training: &[] };
+        (candidate.is_possible(&scene), candidate.is_plausible(&question))
     };
     // The full force makes steel give by a ten-thousandth of the stroke, rubber by a hundredth.
     assert_eq!([1e-4, 1e-3, 1e-2].map(|share| stop(share, 1e3)), [(true, true); 3]);
@@ -59,7 +60,8 @@ fn a_small_stiction_that_hardly_jumps_is_the_form_of_the_play_beside_it() {
         let mut candidate = accepted_alone("spool-stiction", &scene, &[], &machine.with(&effect_parameters));
         let play = CATALOGUE.iter().find(|effect| effect.name == "valve-hysteresis").unwrap();
         candidate.effects.push(Chosen { effect: play, form: play.forms[0] });
-        (candidate.is_possible(&scene), candidate.is_plausible(&scene))
+        let question = Question { scene: &scene, base_parameters: &[], hypotheses: &[], training: &[] };
+        (candidate.is_possible(&scene), candidate.is_plausible(&question))
     };
     // It may be the likeliest effect, but is not accepted.
     assert_eq!(beside(0.005, 0.9, 0.02), (true, false));

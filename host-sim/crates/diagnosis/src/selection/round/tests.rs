@@ -39,8 +39,7 @@ fn two_effects_that_are_there_stay() {
 fn of_effects_that_follow_little_of_what_is_missing_nothing_is_left() {
     with_two(&[(P::ReturnResistance, 1.5e13)], ["internal-leakage", "coulomb-friction"], |question, base, both| {
         assert!(
-            both.is_plausible(question.scene)
-                && misfit_above_noise(&both.residuals) < misfit_above_noise(&base.residuals)
+            both.is_plausible(question) && misfit_above_noise(&both.residuals) < misfit_above_noise(&base.residuals)
         );
         assert!(reduced(question, base, both, &[]).unwrap().is_none());
     });

@@ -2,6 +2,7 @@
 
 use identification::experiment::Prepared;
 use identification::fit::Free;
+use model_core::effects::Link;
 use model_core::machine::Parameter;
 use recording::Signal;
 
@@ -25,7 +26,10 @@ impl Side {
     }
 
     fn of_parameter(parameter: Parameter) -> Self {
-        if OF_VALVE.contains(&parameter) { Self::Valve } else { Self::Below }
+        let is_of_valve = parameter.effect().is_some_and(|effect| effect.link() == Link::Valve)
+            || matches!(parameter, Parameter::SpoolOffset | Parameter::SpoolFactor)
+            || OF_VALVE.contains(&parameter);
+        if is_of_valve { Self::Valve } else { Self::Below }
     }
 
     pub(super) fn of_effect(effect: &Hypothesis) -> Self {

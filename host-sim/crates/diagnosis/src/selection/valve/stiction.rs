@@ -129,7 +129,7 @@ impl Search<'_, '_> {
     fn accepts(&self, plain: &Beside, with: &Beside) -> bool {
         let gained = Gained::of(&plain.left_out, &with.left_out, self.question.counts());
         let straightened = straightened(self.question, &plain.candidate, &with.candidate);
-        with.candidate.is_plausible(self.question.scene)
+        with.candidate.is_plausible(self.question)
             && misfit_above_noise(&with.candidate.residuals)
                 < (1.0 - BESIDE_STICTION_EXPLAINS) * misfit_above_noise(&plain.candidate.residuals)
             && gained.all > BESIDE_STICTION_GAINS

@@ -151,9 +151,7 @@ impl Selection {
         let candidates = nearest(question, &less, &following, &effects, &tries)?;
         let ranked = ranked_by(question, &self.base, candidates, samples_by_blocks);
         let may_be = |(candidate, net): &(Candidate, f64)| {
-            *net > UNMEASURED_SPOOL_GAINS
-                && candidate.effects.len() <= MOST_EFFECTS
-                && candidate.is_plausible(question.scene)
+            *net > UNMEASURED_SPOOL_GAINS && candidate.effects.len() <= MOST_EFFECTS && candidate.is_plausible(question)
         };
         let Some((best, _)) = ranked.into_iter().find(may_be) else { return Ok(()) };
         let (chosen, rounds) = (self.chosen.clone(), self.rounds.clone());

@@ -50,7 +50,7 @@ impl Side {
         }
         let base = &course.base;
         let accepted = |rival: Candidate| -> Result<Option<Candidate>, FitError> {
-            let may_be = rival.is_plausible(own.scene) && accepts(&own, base, base, &rival)?;
+            let may_be = rival.is_plausible(&own) && accepts(&own, base, base, &rival)?;
             Ok(may_be.then_some(rival))
         };
         let rivals: Vec<_> = parallel::try_each(course.rivals, accepted)?;
@@ -125,7 +125,7 @@ pub(crate) fn gains_on_own_side(
         || candidate.only(&own, |one| of_side(one) && one.name != effect.name),
     );
     let (with, without) = (with?, without?);
-    Ok(with.is_plausible(own.scene) && confirm(&without.fit.machine, &with.fit.machine, &held_out)?.gains())
+    Ok(with.is_plausible(&own) && confirm(&without.fit.machine, &with.fit.machine, &held_out)?.gains())
 }
 
 impl Course {

@@ -3,8 +3,15 @@
 use super::*;
 use crate::flow::edges::{GainCurve, SeriesLine};
 
-const PARAMETERS: SpoolParameters =
-    SpoolParameters { gain_per_v: 0.1, offset: 0.0, rate_per_s: 20.0, time_constants_s: [0.01, 0.015], delay_s: 0.004 };
+const PARAMETERS: SpoolParameters = SpoolParameters {
+    gain_per_v: 0.1,
+    offset: 0.0,
+    rate_per_s: 20.0,
+    time_constants_s: [0.01, 0.015],
+    delay_s: 0.004,
+    swings: None,
+    speed_per_s: f64::INFINITY,
+};
 
 fn edges() -> Edges {
     Edges {
@@ -22,6 +29,17 @@ fn edges() -> Edges {
 
 /// Spool positions at every millisecond for a command over time.
 fn run(effects: &[ValveEffect], pressure_pa: f64, ticks: u32, command: impl Fn(f64) -> f64) -> Vec<f64> {
+    run_of(PARAMETERS, effects, pressure_pa, ticks, command)
+}
+
+/// The same of another spool.
+fn run_of(
+    parameters: SpoolParameters,
+    effects: &[ValveEffect],
+    pressure_pa: f64,
+    ticks: u32,
+    command: impl Fn(f64) -> f64,
+) -> Vec<f64> {
     let state = State {
         pressure_a: 0.4 * pressure_pa,
         pressure_b: 0.4 * pressure_pa,
@@ -30,7 +48,7 @@ fn run(effects: &[ValveEffect], pressure_pa: f64, ticks: u32, command: impl Fn(f
         supply: pressure_pa,
         viscosity: 1.0,
     };
-    let mut spool = ShapedSpool::at_rest(PARAMETERS, effects, 0.0, command(0.0));
+    let mut spool = ShapedSpool::at_rest(parameters, effects, 0.0, command(0.0));
     let mut positions = Vec::new();
     for tick in 0..ticks {
         let time_s = f64::from(tick) * 1e-3;
@@ -123,4 +141,28 @@ fn flow_closes_the_spool_in_proportion_to_the_pressure() {
     let braked = run(&[effect], 10e6, 60, step)[40];
     let free = run(&[], 10e6, 60, step)[40];
     assert!(braked < free);
+}
+
+/// A mass on a spring whose step response is known: overshoot e^(−πζ/√(1 − ζ²)) at π/(ω·√(1 − ζ²)).
+#[test]
+fn a_spool_on_a_spring_overshoots_as_the_textbook_says() {
+    let (omega, zeta) = (250.0_f64, 0.5_f64);
+    let swings = Some(Swings { pull_per_s2: omega * omega, drag_per_s: 2.0 * zeta * omega, pulled: 1.0 });
+    let parameters = SpoolParameters { swings, rate_per_s: f64::INFINITY, delay_s: 0.0, ..PARAMETERS };
+    let positions = run_of(parameters, &[], 7e6, 60, |time_s| if time_s > 5e-4 { 1.0 } else { 0.0 });
+    let highest = positions.iter().copied().fold(0.0, f64::max);
+    assert!((highest / 0.1 - 1.163).abs() < 2e-3, "{highest}");
+    assert!((positions[59] / 0.1 - 1.0).abs() < 2e-3);
+}
+
+#[test]
+fn the_spool_moves_no_faster_than_its_own_limit_and_then_arrives() {
+    let driven = |pulled| Some(Swings { pull_per_s2: 9e4, drag_per_s: 400.0, pulled });
+    for swings in [None, driven(1.0), driven(3.0)] {
+        let parameters = SpoolParameters { swings, speed_per_s: 5.0, rate_per_s: f64::INFINITY, ..PARAMETERS };
+        let positions = run_of(parameters, &[], 7e6, 300, |time_s| if time_s > 5e-4 { 6.0 } else { 0.0 });
+        let fastest = positions.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        assert!((fastest - 5e-3).abs() < 1e-5, "{fastest}");
+        assert!((positions[299] - 0.6).abs() < 1e-4, "{}", positions[299]);
+    }
 }
