@@ -3,6 +3,7 @@
 //! The shipped example and a real drive, from start to end; cases drawn on the virtual test bed, whose effects have other forms
 //! than the hypotheses; events that happen once; and the parts that everything depends on: derivatives and the fit.
 
+mod agreement;
 mod bed;
 mod cavitation;
 mod confusion;

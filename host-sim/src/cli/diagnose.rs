@@ -61,6 +61,9 @@ pub struct Arguments {
     /// Draw the first held-out recording: recorded, before and after
     #[arg(long, value_name = "P.svg")]
     plot: Option<PathBuf>,
+    /// Take the recordings as they are, even where a channel is certainly reversed, exchanged or in another unit
+    #[arg(long)]
+    as_recorded: bool,
     /// Answer 1 when something is missing or unexplained
     #[arg(long)]
     exit_code: bool,
@@ -88,13 +91,18 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         job.held_out.len(),
         job.training.iter().chain(&job.held_out).map(Recording::rows).sum::<usize>()
     ));
+    let bar = console.working("comparing recordings and machine file");
+    let doubts =
+        input::doubts(&job.machine, &job.file, job.training.iter().chain(&job.held_out), arguments.as_recorded);
+    bar.finish_and_clear();
+    let doubts = doubts?;
     let steps = usize::try_from(steps(&job.file)).unwrap_or(usize::MAX);
     let bar = console.progress(steps, "diagnosing");
     let tick = arguments.tick.map(Into::into);
     let diagnosis = diagnose(&job.file, &job.training, &job.held_out, tick, &|_| bar.inc(1));
     bar.finish_and_clear();
     let failed = |cause| CliError::Diagnose { machine: job.machine.clone(), cause };
-    let diagnosis = diagnosis.map_err(failed)?;
+    let diagnosis = Diagnosis { doubts, ..diagnosis.map_err(failed)? };
     console.detail(terminal::sentence(&diagnosis));
     let bar = console.working("drawing up the evidence");
     let exhibits = Exhibits::of(&job.file, &job.training, &job.held_out, &diagnosis, job.report.is_some());

@@ -143,6 +143,16 @@ pub enum CliError {
         /// Why.
         cause: DiagnoseError,
     },
+    /// The recordings can hardly be those of the machine file's drive.
+    #[error(
+        "{machine}: {doubts}; expected recordings of this drive: mend the channel (a sensor's `zero` and `full` in [channels] turn and scale it) or the machine file, or give --as-recorded"
+    )]
+    Disagrees {
+        /// The machine file.
+        machine: PathBuf,
+        /// What is certainly wrong.
+        doubts: String,
+    },
     /// A folder without training recordings.
     #[error("{}: no train-*.csv (.txt, .mat, .mf4, .parquet); expected machine.toml, train-*.csv and holdout-*.csv, or --machine, --train and --holdout", folder.display())]
     NothingToTrain {

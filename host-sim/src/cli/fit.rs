@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use diagnosis::agreement::far_values;
 use diagnosis::localisation::{Miss, misses};
 use diagnosis::{DiagnoseError, base_parameters};
 use identification::compare::judged;
@@ -10,8 +11,8 @@ use identification::fit::residuals::counts_from;
 use identification::fit::{
     Counts, From, effective_samples, fit_with_progress, inflation, level_at_rest, most_evaluations, softened_all,
 };
-use recording::{ChannelMap, Signal};
-use report::terminal;
+use recording::{ChannelMap, Recording, Signal};
+use report::{terminal, wording};
 
 use super::console::Console;
 use super::ending::MACHINE;
@@ -42,6 +43,9 @@ pub struct Arguments {
     /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
     #[arg(long, value_enum, value_name = "ms")]
     tick: Option<input::TickArgument>,
+    /// Take the recordings as they are, even where a channel is certainly reversed, exchanged or in another unit
+    #[arg(long)]
+    as_recorded: bool,
     /// Where to write the machine file with fitted values
     #[arg(long, value_name = "F.toml")]
     save_machine: PathBuf,
@@ -53,14 +57,19 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let mut file = machine_file::read(&arguments.machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);
     let failed = |cause: DiagnoseError| CliError::Diagnose { machine: arguments.machine.clone(), cause };
+    let read = input::recordings(&arguments.train, &channels, console)?.into_iter();
+    let recordings: Vec<Recording> =
+        read.map(|recording| input::judged(recording, &file, &arguments.judge)).collect::<Result<_, _>>()?;
+    for note in recordings.iter().flat_map(|recording| input::notes(recording, &file.machine)) {
+        console.note(note);
+    }
+    for doubt in input::doubts(&arguments.machine, &file, &recordings, arguments.as_recorded)? {
+        console.note(wording::doubt(&doubt));
+    }
     let mut prepared = Vec::new();
-    for recording in input::recordings(&arguments.train, &channels, console)? {
-        let recording = input::judged(recording, &file, &arguments.judge)?;
-        for note in input::notes(&recording, &file.machine) {
-            console.note(note);
-        }
+    for recording in &recordings {
         let tick = arguments.tick.map(Into::into);
-        let case = Prepared::new(&recording, &file.machine, file.load_source, tick);
+        let case = Prepared::new(recording, &file.machine, file.load_source, tick);
         prepared.push(case.map_err(|cause| failed(cause.into()))?);
     }
     let cases: Vec<&Prepared> = prepared.iter().collect();
@@ -86,7 +95,11 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let residuals = softened_all(&fitted.machine, with_starts()).map_err(|cause| failed(cause.into()))?;
     let counts = cases.first().map_or(effective_samples as Counts, |case| counts_from(case.stimulus.input_point));
     let inflation = inflation(&residuals, counts);
-    console.print(terminal::parameters(&fitted.estimates(inflation)))?;
+    let estimates = fitted.estimates(inflation);
+    console.print(terminal::parameters(&estimates))?;
+    for far in far_values(&free, &estimates) {
+        console.print(format_args!("far value: {}", wording::far_value(&far)))?;
+    }
     if let Some(pairs) = terminal::correlated(&fitted.correlations(inflation)) {
         console.print(pairs)?;
     }

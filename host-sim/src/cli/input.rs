@@ -2,12 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use diagnosis::agreement::{Doubt, doubts as doubts_of};
+use diagnosis::base_parameters;
 use experiment::inspect::unit_doubts;
 use identification::compare::judged::judged_by;
+use identification::fit::FitError;
 use machine_file::MachineFile;
 use model_core::machine::{Machine, Tick};
 use recording::{ChannelMap, Recording, Signal};
-use report::wording::unit_doubt;
+use report::wording::{doubt, unit_doubt};
 use simulation::Arithmetic;
 
 use super::console::{Console, Progress};
@@ -118,6 +121,22 @@ pub(crate) fn recording(path: &Path, channels: &ChannelMap, console: &Console<'_
 /// A recording limited to the signals that `--judge` names; whole where it names none.
 pub(crate) fn judged(recording: Recording, file: &MachineFile, wanted: &[Signal]) -> Result<Recording, CliError> {
     Ok(judged_by(recording, file.machine.source, file.load_source, wanted)?)
+}
+
+/// What is doubtful about recordings for this drive. What is certainly wrong is an error, unless the recordings are to be taken as they are.
+pub(crate) fn doubts<'a>(
+    machine: &Path,
+    file: &MachineFile,
+    recordings: impl IntoIterator<Item = &'a Recording>,
+    as_recorded: bool,
+) -> Result<Vec<Doubt>, CliError> {
+    let failed = |cause: FitError| CliError::Diagnose { machine: machine.to_owned(), cause: cause.into() };
+    let found = doubts_of(file, &base_parameters(file), &recordings.into_iter().collect::<Vec<_>>()).map_err(failed)?;
+    let certain: Vec<String> = found.iter().filter(|doubt| doubt.is_certain).map(doubt).collect();
+    if certain.is_empty() || as_recorded {
+        return Ok(found);
+    }
+    Err(CliError::Disagrees { machine: machine.to_owned(), doubts: certain.join("; ") })
 }
 
 /// The notes of a recording, and doubts about it for this drive, each with the recording's name.

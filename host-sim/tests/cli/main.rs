@@ -3,6 +3,7 @@
 //! These tests are in this package because only here cargo gives the path of the binary; exit status, closed pipes and
 //! half-written files are properties of a process, not of a function.
 
+mod agreement;
 #[path = "../at_hand/mod.rs"]
 mod at_hand;
 #[cfg(unix)]

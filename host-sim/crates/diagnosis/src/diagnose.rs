@@ -184,6 +184,7 @@ pub fn diagnose(
         |estimate: &Estimate| base_parameters.iter().any(|free| free.parameter == estimate.parameter);
     Ok(Diagnosis {
         machine: file.name.clone(),
+        doubts: Vec::new(),
         verdict,
         located,
         suspected,

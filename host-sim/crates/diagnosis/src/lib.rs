@@ -8,6 +8,7 @@
 // All results are returned: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
+pub mod agreement;
 mod before_after;
 pub mod catalogue;
 pub mod correction_table;

@@ -9,6 +9,7 @@ use recording::Signal;
 use simulation::Trajectory;
 use simulation::figures_of_merit::SignalFit;
 
+use crate::agreement::{Doubt, FarValue, far_values};
 use crate::catalogue::Hypothesis;
 use crate::correction_table::Unnamed;
 use crate::finding::Finding;
@@ -49,6 +50,8 @@ pub struct Diagnosis {
     pub unnamed: Option<Unnamed>,
     /// What the held-out recordings said; `None` if there was no choice to confirm.
     pub confirmation: Option<Confirmation>,
+    /// What was doubtful about the recordings for this drive before anything was searched, where that was asked ([`crate::agreement::doubts`]).
+    pub doubts: Vec<Doubt>,
     /// Base parameters that were refitted (with the effects, if any).
     pub refitted: Vec<Estimate>,
     /// Pairs of fitted base or effect parameters whose estimates are correlated; the strongest correlation first.
@@ -120,6 +123,12 @@ impl Diagnosis {
     #[must_use]
     pub fn changes(&self) -> bool {
         !self.findings.is_empty() || self.unnamed.is_some()
+    }
+
+    /// Refitted base parameters far from where the machine file says they are.
+    #[must_use]
+    pub fn far_values(&self) -> Vec<FarValue> {
+        far_values(&self.selection.base.fit.free, &self.refitted)
     }
 
     /// What the model before is called in reports: it is the only model where nothing changes.

@@ -18,6 +18,12 @@ use crate::wording;
 pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     let mut text = sentence(diagnosis);
     text.push('\n');
+    for doubt in &diagnosis.doubts {
+        let _ = writeln!(text, "doubt      {}", wording::doubt(doubt));
+    }
+    for far in &diagnosis.far_values() {
+        let _ = writeln!(text, "far value  {}", wording::far_value(far));
+    }
     if let Some(location) = &diagnosis.located {
         let (link, signal, region) = (location.subsystem, location.signal, wording::region(location.region));
         let _ = writeln!(text, "\nlocated    {link} · {signal} · {region}");

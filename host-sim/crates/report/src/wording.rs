@@ -1,6 +1,7 @@
 //! What the crates below found, in sentences: they return values, and the words are made here, once for the terminal, JSON and the page.
 //! Each is a clause without full stop.
 
+use diagnosis::agreement::{Cause, Change, Doubt, FarValue, Trial};
 use diagnosis::correction_table::Unnamed;
 use diagnosis::localisation::Habit;
 use diagnosis::localisation::error_shape::Shape;
@@ -10,8 +11,8 @@ use experiment::discriminate::{Distance, Separation};
 use experiment::inspect::{Advice, Bound, CommandRange, UnitDoubt};
 use identification::compare::weakest::Obstacle;
 use identification::fit::Correlation;
-use recording::Unit;
 use recording::display_unit::{difference, significant, state_unit};
+use recording::{Signal, Unit};
 use simulation::signal::noise::extent;
 
 /// The operating region that shows best where an error arises.
@@ -254,14 +255,109 @@ pub fn unit_doubt(doubt: &UnitDoubt) -> String {
     }
 }
 
+/// Why recordings and a machine file hardly belong together, and with which change they would.
+#[must_use]
+pub fn doubt(doubt: &Doubt) -> String {
+    let of = if doubt.in_all { String::new() } else { format!("{}: ", doubt.recordings.join(", ")) };
+    let [seems, changed] =
+        [claim, remedy].map(|words| joined(doubt.changed.changes.iter().map(|change| words(*change))));
+    let signals = joined(doubt.signals.iter().map(|signal| signal.name().to_owned()));
+    // Worse than the mean is no fit, however much worse.
+    let percent = |trial: &Trial| significant(trial.fit_percent.max(0.0), 3);
+    let only_with = match doubt.as_recorded.far.first() {
+        Some(far) if far.is_impossible => format!(", and only with {}", moved(far)),
+        _ => String::new(),
+    };
+    let others = doubt.others.iter().map(|other| {
+        format!("; or {}: {} %", joined(other.changes.iter().map(|change| claim(*change))), percent(other))
+    });
+    format!(
+        "{of}{seems}: {changed}, the fit of {signals} is {} % (as recorded {} %{only_with}){}",
+        percent(&doubt.changed),
+        percent(&doubt.as_recorded),
+        others.collect::<String>()
+    )
+}
+
+/// What a change says of the recordings.
+fn claim(change: Change) -> String {
+    match change {
+        Change::Reversed(signal) => format!("{signal} seems to run the other way"),
+        Change::PortsExchanged => "ports A and B of the valve seem to be exchanged".to_owned(),
+        Change::PressuresExchanged => "the pressures of A and B seem to be exchanged".to_owned(),
+        Change::Scaled(signal, factor) => {
+            let signals = match signal {
+                Signal::PressureA | Signal::PressureB => "both pressures seem".to_owned(),
+                _ => format!("{signal} seems"),
+            };
+            let were = if signals.starts_with("both") { "they were" } else { "it was" };
+            match share(1.0 / factor) {
+                Some(share) => format!("{signals} to be {share} of what {were}"),
+                None => format!("{signals} to be {} times what {were}", significant(1.0 / factor, 2)),
+            }
+        }
+    }
+}
+
+/// What was done to try it.
+fn remedy(change: Change) -> String {
+    match change {
+        Change::Reversed(_) => "turned round".to_owned(),
+        Change::PortsExchanged | Change::PressuresExchanged => "exchanged back".to_owned(),
+        Change::Scaled(_, factor) => match share(factor) {
+            Some(share) => format!("taken as {share} of that"),
+            None => format!("taken {} times as large", significant(factor, 2)),
+        },
+    }
+}
+
+/// The word for a decimal fraction.
+fn share(factor: f64) -> Option<&'static str> {
+    let words = [(0.1, "a tenth"), (0.01, "a hundredth"), (0.001, "a thousandth")];
+    words.into_iter().find(|(share, _)| (factor / share - 1.0).abs() < 1e-9).map(|(_, word)| word)
+}
+
+fn joined(parts: impl Iterator<Item = String>) -> String {
+    parts.collect::<Vec<_>>().join(" and ")
+}
+
+/// A value that a refit has moved far, and what else would explain it.
+#[must_use]
+pub fn far_value(far: &FarValue) -> String {
+    let causes: Vec<&str> = far.suggests.iter().map(|cause| cause_of(*cause)).collect();
+    let check = if causes.is_empty() { String::new() } else { format!("; check {}", causes.join(", ")) };
+    let sigmas = significant(far.sigmas, 2);
+    format!("{}, {sigmas} of its standard deviations away{check}", moved(far))
+}
+
+/// A value, with the machine file's.
+fn moved(far: &FarValue) -> String {
+    let description = far.parameter.description();
+    let unit = if description.unit == "1" { String::new() } else { format!(" {}", description.unit) };
+    let verdict = if far.is_impossible { ", which no such drive has" } else { "" };
+    format!("{} at {:.3e}{unit} instead of {:.3e}{verdict}", description.key, far.value, far.nominal)
+}
+
+fn cause_of(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Bore => "bore and rod",
+        Cause::Load => "load and moving mass",
+        Cause::Flow => "the rated flow",
+        Cause::Supply => "the supply pressure",
+        Cause::Volume => "the volumes of chambers and hoses",
+        Cause::PositionUnit => "the unit of position",
+        Cause::CommandUnit => "the unit of the command",
+        Cause::PressureUnit => "the unit of the pressures",
+        Cause::Times => "the time stamps, and filters behind the sensors",
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::*;
     use diagnosis::localisation::error_shape::Bin;
     use diagnosis::selection::JumpSpacing;
     use model_core::machine::Parameter;
-    use recording::Signal;
-
-    use super::*;
 
     #[test]
     fn a_doubt_about_a_unit_says_what_would_do() {
@@ -386,6 +482,35 @@ mod tests {
         assert!(
             told.starts_with("it does not return: at a command of 2.0 V") && told.contains("at 5.0 % (down)"),
             "{told}"
+        );
+    }
+
+    #[test]
+    fn a_doubt_about_recordings_says_what_would_remove_it_and_how_much_better_they_fit() {
+        let said = |change| (claim(change), remedy(change));
+        let position = said(Change::Scaled(Signal::Position, 10.0));
+        assert_eq!(position.0, "position seems to be a tenth of what it was");
+        assert_eq!(position.1, "taken 10 times as large");
+        let pressures = said(Change::Scaled(Signal::PressureA, 1e-3));
+        assert_eq!(pressures.0, "both pressures seem to be 1000 times what they were");
+        assert_eq!(pressures.1, "taken as a thousandth of that");
+        assert_eq!(said(Change::PressuresExchanged).1, "exchanged back");
+    }
+
+    #[test]
+    fn a_far_value_says_what_else_would_explain_it() {
+        let far = FarValue {
+            parameter: Parameter::BulkModulus,
+            nominal: 1.2e9,
+            value: 1.17e10,
+            sigmas: 87.5,
+            is_impossible: true,
+            suggests: &[Cause::PositionUnit, Cause::Bore],
+        };
+        assert_eq!(
+            far_value(&far),
+            "cylinder.bulk_modulus_pa at 1.170e10 Pa instead of 1.200e9, which no such drive has, 88 of its standard deviations away; \
+             check the unit of position, bore and rod"
         );
     }
 

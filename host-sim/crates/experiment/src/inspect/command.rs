@@ -18,6 +18,10 @@ const WIDE_OPEN: f64 = 1.1;
 const SHARE: f64 = 0.65;
 /// A command is held while it stays within this share of its range.
 const HELD: f64 = 5e-3;
+/// An opening, or a travel of the spool, that says something about the gain.
+const OPENED: f64 = 0.05;
+/// The spool goes along with the command if their correlation is above this.
+const ALONG: f64 = 0.9;
 /// Fewest rows for a comparison of the spool with the command.
 const LEAST_ROWS: usize = 20;
 
@@ -43,26 +47,47 @@ pub(crate) fn command_doubt(recording: &Recording, machine: &Machine<f64>) -> Op
 }
 
 /// Travel of the measured spool over that from the machine file, where the command was held until the spool arrived.
+///
+/// Where the file's opening is too small to be compared by itself, as with a tenth of the command, the spool still goes far: then the slope over
+/// both sides is taken, which an offset of the spool does not change.
 fn followed(recording: &Recording, machine: &Machine<f64>) -> Option<f64> {
+    let held = held(recording, machine)?;
+    let offset = machine.get(Parameter::ValveOffset);
+    let opened: Vec<(f64, f64)> = held.iter().copied().filter(|(opened, _)| opened.abs() > OPENED).collect();
+    if opened.len() >= LEAST_ROWS {
+        let across: f64 = opened.iter().map(|(opened, spool)| (spool - offset) * opened).sum();
+        return Some(across / opened.iter().map(|(opened, _)| opened * opened).sum::<f64>());
+    }
+    let far = held.iter().filter(|(_, spool)| (spool - offset).abs() > OPENED).count();
+    let mean = |of: fn(&(f64, f64)) -> f64| held.iter().map(of).sum::<f64>() / held.len() as f64;
+    let (mean_opened, mean_spool) = (mean(|row| row.0), mean(|row| row.1));
+    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+        held.iter().map(|(opened, spool)| of(opened - mean_opened, spool - mean_spool)).sum()
+    };
+    let (across, of_opened, of_spool) =
+        (sum(&|opened, spool| opened * spool), sum(&|opened, _| opened * opened), sum(&|_, spool| spool * spool));
+    let goes_along = across > ALONG * (of_opened * of_spool).sqrt();
+    (far >= LEAST_ROWS && goes_along).then(|| across / of_opened)
+}
+
+/// Opening by the machine file without its offset, and measured spool, in every row in which the command was held until the spool arrived.
+fn held(recording: &Recording, machine: &Machine<f64>) -> Option<Vec<(f64, f64)>> {
     let (time_s, command) = (recording.time_s(), recording.signal(Signal::Command)?);
     let spool = recording.signal(Signal::Spool)?;
     let get = |parameter| machine.get(parameter);
     let (low, high) = extent(command);
     let lags = machine.spool_lag_s();
     let settled_s = get(Parameter::TransportDelay) + 4.0 * lags + 2.0 / get(Parameter::RateLimit);
-    let (mut since, mut rows, mut across, mut square) = (0, 0, 0.0, 0.0);
+    let (mut since, mut held) = (0, Vec::new());
     for row in 0..command.len() {
         if (command[row] - command[since]).abs() > HELD * (high - low) {
             since = row;
         }
-        let opened = get(Parameter::ValveGain) * command[row];
-        if time_s[row] - time_s[since] > settled_s && opened.abs() > 0.05 {
-            rows += 1;
-            across += (spool[row] - get(Parameter::ValveOffset)) * opened;
-            square += opened * opened;
+        if time_s[row] - time_s[since] > settled_s {
+            held.push((get(Parameter::ValveGain) * command[row], spool[row]));
         }
     }
-    (rows >= LEAST_ROWS).then(|| across / square)
+    Some(held)
 }
 
 #[cfg(test)]
@@ -120,5 +145,8 @@ mod tests {
         };
         assert_eq!(travel(doubt("mA", (-10.0, 10.0), 0.1, 0.0)), ("mA", 0.5));
         assert_eq!(travel(doubt("V", (-5.0, 5.0), 0.05, 0.0)), ("V", 2.0));
+        // A tenth of the command opens the valve by less than a twentieth, and a hundredth by next to nothing.
+        assert_eq!(travel(doubt("V", (-0.5, 0.5), 0.1, 0.03)), ("V", 10.0));
+        assert_eq!(travel(doubt("V", (-0.05, 0.05), 0.1, 0.0)), ("V", 100.0));
     }
 }

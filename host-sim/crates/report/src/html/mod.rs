@@ -24,6 +24,7 @@ use recording::display_unit::{difference, percent};
 
 use crate::evidence::Exhibits;
 use crate::terminal::sentence;
+use crate::wording;
 
 pub use overlay::overlay;
 
@@ -50,6 +51,7 @@ pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                     p class="over" { "Diagnosis of " (diagnosis.machine) }
                     h1 class=(class(diagnosis.verdict)) { (sentence(diagnosis)) "." }
                     (improvement(diagnosis))
+                    (doubtful(diagnosis))
                 }
                 (main_picture(diagnosis, exhibits, budget))
                 (located::located(diagnosis, exhibits, budget))
@@ -101,6 +103,14 @@ fn improvement(diagnosis: &Diagnosis) -> Markup {
             @if diagnosis.unnamed.is_some() { ": base parameters refitted → with a correction table." }
             @else if changes { ": base parameters refitted → with what was found." } @else { ", base parameters refitted." }
         }
+    }
+}
+
+/// What is doubtful about the recordings for this drive, and values that the refit has moved far.
+fn doubtful(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @for doubt in &diagnosis.doubts { p class="fact" { "Doubt: " (wording::doubt(doubt)) "." } }
+        @for far in &diagnosis.far_values() { p class="fact" { "Far value: " (wording::far_value(far)) "." } }
     }
 }
 

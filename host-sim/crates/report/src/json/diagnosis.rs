@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use diagnosis::agreement::{Change, Doubt};
 use diagnosis::catalogue::short_name;
 use diagnosis::correction_table::{Axis, Unnamed};
 use diagnosis::localisation::Habit;
@@ -45,6 +46,13 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "schema": "host-sim/diagnosis/1",
         "machine": diagnosis.machine,
         "verdict": diagnosis.verdict,
+        "plausibility": diagnosis.doubts.iter().map(doubt).collect::<Vec<_>>(),
+        "far_values": diagnosis.far_values().iter().map(|far| {
+            json!({
+                "name": far.parameter.description().key, "nominal": digits(far.nominal, 6), "value": digits(far.value, 6),
+                "sigmas": digits(far.sigmas, 3), "impossible": far.is_impossible, "sentence": wording::far_value(far),
+            })
+        }).collect::<Vec<_>>(),
         "located": located,
         "suspected": diagnosis.suspected.map(|effect| effect.name),
         "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, exhibits, finding)).collect::<Vec<_>>(),
@@ -77,6 +85,26 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "waterfall": evidence::waterfall(&exhibits.waterfall),
         "residuals": evidence::residuals(&exhibits.whiteness),
         "prepared": evidence::prepared(&exhibits.preprocessing),
+    })
+}
+
+/// A doubt about the recordings: the sentence, the changes that remove it, and the numbers behind it.
+fn doubt(doubt: &Doubt) -> Value {
+    let change = |change: &Change| match change {
+        Change::Reversed(signal) => json!({ "kind": "reversed", "signal": signal.name() }),
+        Change::PortsExchanged => json!({ "kind": "ports-exchanged" }),
+        Change::PressuresExchanged => json!({ "kind": "pressures-exchanged" }),
+        Change::Scaled(signal, factor) => {
+            json!({ "kind": "scaled", "signal": signal.name(), "factor": digits(*factor, 6) })
+        }
+    };
+    json!({
+        "sentence": wording::doubt(doubt),
+        "certain": doubt.is_certain,
+        "recordings": doubt.recordings,
+        "signals": doubt.signals.iter().map(|signal| signal.name()).collect::<Vec<_>>(),
+        "changes": doubt.changed.changes.iter().map(change).collect::<Vec<_>>(),
+        "fit": { "as_recorded": digits(doubt.as_recorded.fit_percent, 6), "changed": digits(doubt.changed.fit_percent, 6) },
     })
 }
 

@@ -1,0 +1,80 @@
+//! Changes of a recording that are tried: as though a channel had been connected or scaled otherwise.
+
+use model_core::machine::{Machine, Parameter};
+use recording::{Column, Recording, Signal};
+use simulation::signal::noise::extent;
+
+/// A change of what was recorded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Change {
+    /// This signal with the other sign; a position counts from the other end.
+    Reversed(Signal),
+    /// The valve with its ports A and B exchanged: what opens it to extend, retracts.
+    PortsExchanged,
+    /// The pressures of A and B exchanged.
+    PressuresExchanged,
+    /// This signal so many times as large; both pressures, where it is one of them.
+    Scaled(Signal, f64),
+}
+
+impl Change {
+    /// The signals that it replaces.
+    pub(super) fn signals(self) -> &'static [Signal] {
+        use Signal as S;
+        const PRESSURES: &[Signal] = &[S::PressureA, S::PressureB];
+        match self {
+            Self::PortsExchanged => &[S::Command, S::Spool],
+            Self::PressuresExchanged | Self::Scaled(S::PressureA | S::PressureB, _) => PRESSURES,
+            Self::Reversed(signal) | Self::Scaled(signal, _) => {
+                let at = Signal::ALL.iter().position(|known| *known == signal).unwrap_or_default();
+                &Signal::ALL[at..=at]
+            }
+        }
+    }
+
+    /// The recording with it.
+    #[must_use]
+    pub fn of(self, recording: &Recording, machine: &Machine<f64>) -> Recording {
+        let mut changed = recording.clone();
+        for &signal in self.signals() {
+            let Some(values) = recording.signal(signal) else { continue };
+            let each = |with: &dyn Fn(f64) -> f64| values.iter().map(|&value| with(value)).collect::<Vec<f64>>();
+            let values = match self {
+                Self::Scaled(_, factor) => each(&|value| factor * value),
+                Self::PressuresExchanged => {
+                    let other = if signal == Signal::PressureA { Signal::PressureB } else { Signal::PressureA };
+                    recording.signal(other).unwrap_or(values).to_vec()
+                }
+                Self::PortsExchanged => {
+                    let middle = if signal == Signal::Command { neutral_v(machine) } else { 0.0 };
+                    each(&|value| 2.0 * middle - value)
+                }
+                Self::Reversed(Signal::Position) => {
+                    let whole = from_other_end(values, machine.get(Parameter::Stroke));
+                    each(&|value| whole - value)
+                }
+                Self::Reversed(_) => each(&|value| -value),
+            };
+            changed.replace(signal, &values);
+        }
+        changed
+    }
+}
+
+/// The command at which the valve is in its middle.
+fn neutral_v(machine: &Machine<f64>) -> f64 {
+    let gain = machine.get(Parameter::ValveGain);
+    if gain == 0.0 { 0.0 } else { -machine.get(Parameter::ValveOffset) / gain }
+}
+
+/// What a position and that from the other end add up to: the stroke, unless the position does not lie within it anyway.
+fn from_other_end(values: &[f64], stroke_m: f64) -> f64 {
+    let (low, high) = extent(values);
+    if low >= 0.0 && high <= stroke_m { stroke_m } else { low + high }
+}
+
+/// The rows of a recording in this range.
+pub(super) fn rows(recording: &Recording, range: std::ops::Range<usize>) -> Option<Recording> {
+    let cut = |column: &Column| Column { values: column.values[range.clone()].to_vec(), ..column.clone() };
+    Recording::new(recording.path(), recording.columns().iter().map(cut).collect()).ok()
+}

@@ -1,0 +1,102 @@
+//! Whether recordings and machine file belong together, asked before anything is searched.
+//!
+//! A sensor that counts the other way, exchanged pressure lines or a position in the wrong unit is no missing physics. But a refit follows much of it:
+//! with a tenth of the position, a tenfold bulk modulus and a tenth of the flow fit as well as before. So a cheap test comes first: how far, and which
+//! way, the machine file's model moves compared with what was recorded ([`response`]). Only where that raises a doubt, changes of the recordings that
+//! would remove it ([`direction`], [`scale`]) are tried by rough refits of short parts ([`trial`]).
+
+mod change;
+mod direction;
+mod far_value;
+mod response;
+mod scale;
+mod trial;
+
+use identification::fit::{FitError, Free};
+use identification::parallel;
+use machine_file::MachineFile;
+use recording::{Recording, Signal};
+
+use response::Responses;
+
+pub use change::Change;
+pub use far_value::{Cause, FarValue, far_values};
+pub use trial::Trial;
+
+/// Most recordings that a doubt is tried on.
+const MOST_RECORDINGS: usize = 3;
+
+/// A change of the recordings with which the machine file agrees clearly better.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Doubt {
+    /// The recordings that raise it.
+    pub recordings: Vec<String>,
+    /// Whether all recordings do.
+    pub in_all: bool,
+    /// The signals that raise it, which the fits below are of.
+    pub signals: Vec<Signal>,
+    /// The refit to the recordings as they are.
+    pub as_recorded: Trial,
+    /// The refit to the changed recordings.
+    pub changed: Trial,
+    /// Other changes that do about as well.
+    pub others: Vec<Trial>,
+    /// Whether it is beyond doubt: as they are, the recordings cannot be those of this machine file.
+    pub is_certain: bool,
+}
+
+/// A doubt that a first look raises: which changes are to be tried, in which signals it shows, and in which of the recordings.
+struct Raised {
+    changes: Vec<Vec<Change>>,
+    signals: Vec<Signal>,
+    recordings: Vec<usize>,
+}
+
+impl Raised {
+    /// Takes in what another recording raises, where a change would remove both; else gives it back.
+    fn joined(&mut self, (changes, signals): (Vec<Vec<Change>>, Vec<Signal>), index: usize) -> Result<(), Found> {
+        if !changes.iter().any(|change| self.changes.contains(change)) {
+            return Err((changes, signals));
+        }
+        self.changes.extend(changes.into_iter().filter(|change| !self.changes.contains(change)).collect::<Vec<_>>());
+        // Where it shows in all of them, if there is such a signal.
+        if self.signals.iter().any(|signal| signals.contains(signal)) {
+            self.signals.retain(|signal| signals.contains(signal));
+        }
+        self.recordings.push(index);
+        Ok(())
+    }
+}
+
+/// Changes to try, and the signals that call for them.
+type Found = (Vec<Vec<Change>>, Vec<Signal>);
+
+/// What is doubtful about recordings for this drive, whose `free` parameters may move; nothing where they agree.
+pub fn doubts(file: &MachineFile, free: &[Free], recordings: &[&Recording]) -> Result<Vec<Doubt>, FitError> {
+    let responses = parallel::each(recordings, |recording| Responses::of(file, recording));
+    let mut raised: Vec<Raised> = Vec::new();
+    for (index, responses) in responses.iter().enumerate() {
+        let found = responses.iter().flat_map(|responses| [direction::changes(responses), scale::changes(responses)]);
+        for found in found.filter(|(changes, _)| !changes.is_empty()) {
+            let left = raised.iter_mut().try_fold(found, |found, known| match known.joined(found, index) {
+                Ok(()) => Err(()),
+                Err(found) => Ok(found),
+            });
+            if let Ok((changes, signals)) = left {
+                raised.push(Raised { changes, signals, recordings: vec![index] });
+            }
+        }
+    }
+    let mut doubts = Vec::new();
+    for Raised { changes, signals, recordings: of } in raised {
+        let parts: Vec<Recording> =
+            of.iter().take(MOST_RECORDINGS).map(|&index| response::part(file, recordings[index])).collect();
+        let Some(tried) = trial::tried(file, free, &parts, &signals, &changes)? else { continue };
+        doubts.push(Doubt {
+            recordings: of.iter().map(|&index| recordings[index].name().to_owned()).collect(),
+            in_all: of.len() == recordings.len(),
+            ..tried
+        });
+    }
+    Ok(doubts)
+}

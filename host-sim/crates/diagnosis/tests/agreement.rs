@@ -1,0 +1,70 @@
+//! Recordings and a machine file that do not belong together are told apart from drives that only lack physics.
+
+use std::path::{Path, PathBuf};
+
+use diagnosis::agreement::{Change, Doubt, doubts};
+use diagnosis::base_parameters;
+use machine_file::MachineFile;
+use recording::{Recording, Signal};
+
+/// A folder's machine file and its recordings.
+fn case(folder: &Path, machine: &Path) -> (MachineFile, Vec<Recording>) {
+    let file = machine_file::read(machine).unwrap();
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "csv"));
+    paths.sort();
+    let read = |path: &PathBuf| recording::read(path, &file.channels).unwrap();
+    let recordings = paths.iter().map(read).collect();
+    (file, recordings)
+}
+
+/// The shipped example with these changes in all of its recordings.
+fn with(changes: &[Change]) -> Vec<Doubt> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../examples/press-63-40");
+    let (file, mut recordings) = case(&folder, &folder.join("machine.toml"));
+    for recording in &mut recordings {
+        for change in changes {
+            *recording = change.of(recording, &file.machine);
+        }
+    }
+    doubts(&file, &base_parameters(&file), &recordings.iter().collect::<Vec<_>>()).unwrap()
+}
+
+/// The one doubt, which has to be certain, and the changes that it tells.
+fn certain(changes: &[Change]) -> Vec<Change> {
+    let found = with(changes);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].is_certain, "{found:#?}");
+    found[0].changed.changes.clone()
+}
+
+#[test]
+fn an_example_that_lacks_physics_raises_no_doubt() {
+    assert_eq!(with(&[]), []);
+}
+
+#[test]
+fn what_runs_the_other_way_is_told() {
+    for signal in [Signal::Position, Signal::Command, Signal::Spool] {
+        assert_eq!(certain(&[Change::Reversed(signal)]), [Change::Reversed(signal)]);
+    }
+    assert_eq!(certain(&[Change::PressuresExchanged]), [Change::PressuresExchanged]);
+}
+
+#[test]
+fn a_wrong_scale_is_told_although_a_refit_follows_much_of_it() {
+    for (signal, factor) in [
+        (Signal::Position, 0.1),
+        (Signal::Position, 10.0),
+        (Signal::Position, 1e-3),
+        (Signal::Command, 0.1),
+        (Signal::Command, 10.0),
+        (Signal::Command, 1e3),
+        (Signal::Spool, 100.0),
+        (Signal::PressureA, 0.1),
+    ] {
+        let found = certain(&[Change::Scaled(signal, factor)]);
+        let [Change::Scaled(told, by)] = found[..] else { panic!("{found:?}") };
+        assert!(told == signal && (by * factor - 1.0).abs() < 1e-9, "{signal} {factor}: {found:?}");
+    }
+}

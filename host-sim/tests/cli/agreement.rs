@@ -1,0 +1,58 @@
+//! Recordings that cannot be those of the machine file's drive are refused with what is wrong with them, before anything is searched.
+
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use super::{done, example, refused};
+
+/// A folder with the example's machine file and its first training recording, one column of it changed.
+fn folder_with(column: &str, change: impl Fn(f64) -> f64) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(example("machine.toml"), folder.path().join("machine.toml")).unwrap();
+    let text = std::fs::read_to_string(example("train-1.csv")).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let at = header.split(',').position(|name| name.starts_with(column)).unwrap();
+    let changed = |row: &str| {
+        let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+        cells[at] = change(cells[at].parse().unwrap()).to_string();
+        cells.join(",")
+    };
+    let rows: Vec<String> = rows.lines().map(changed).collect();
+    std::fs::write(folder.path().join("train-1.csv"), format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+    folder
+}
+
+const FIT: [&str; 7] = ["fit", "--machine", "machine.toml", "--train", "train-1.csv", "--save-machine", "fitted.toml"];
+
+fn fitted_as_recorded(folder: &Path) -> String {
+    done(folder, &[&FIT[..], &["--as-recorded"]].concat())
+}
+
+#[test]
+fn a_position_that_runs_the_other_way_is_no_missing_physics() {
+    let folder = folder_with("position", |value| -value);
+    for command in [&["diagnose", "."][..], &FIT] {
+        let said = refused(folder.path(), command);
+        assert!(said.contains("position seems to run the other way: turned round, the fit of position is 9"), "{said}");
+        assert!(said.contains("(as recorded 0") && said.contains("or give --as-recorded"), "{said}");
+    }
+    assert!(!folder.path().join("fitted.toml").exists());
+    assert!(fitted_as_recorded(folder.path()).contains("What is left"));
+}
+
+#[test]
+fn a_scale_that_a_refit_absorbs_is_told_and_so_are_the_values_that_absorb_it() {
+    let folder = folder_with("position", |value| 0.1 * value);
+    let said = refused(folder.path(), &FIT);
+    assert!(said.contains("position seems to be a tenth of what it was: taken 10 times as large"), "{said}");
+    let fitted = fitted_as_recorded(folder.path());
+    assert!(fitted.contains("which no such drive has") && fitted.contains("the unit of position"), "{fitted}");
+}
+
+#[test]
+fn a_drive_that_lacks_physics_is_not_refused() {
+    let folder = folder_with("position", |value| value);
+    let fitted = done(folder.path(), &FIT);
+    assert!(!fitted.contains("seems to"), "{fitted}");
+}
