@@ -97,8 +97,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let inflation = inflation(&residuals, counts);
     let estimates = fitted.estimates(inflation);
     console.print(terminal::parameters(&estimates))?;
-    for far in far_values(&free, &estimates) {
-        console.print(format_args!("far value: {}", wording::far_value(&far)))?;
+    for far in wording::far_values(&far_values(&free, &estimates)) {
+        console.print(format_args!("far value: {far}"))?;
     }
     if let Some(pairs) = terminal::correlated(&fitted.correlations(inflation)) {
         console.print(pairs)?;

@@ -38,6 +38,8 @@ fn a_position_that_runs_the_other_way_is_no_missing_physics() {
         assert!(said.contains("(as recorded 0") && said.contains("or give --as-recorded"), "{said}");
     }
     assert!(!folder.path().join("fitted.toml").exists());
+    let inspected = done(folder.path(), &["inspect", "train-1.csv", "--machine", "machine.toml"]);
+    assert!(inspected.contains("position runs against what the machine file's model does"), "{inspected}");
     assert!(fitted_as_recorded(folder.path()).contains("What is left"));
 }
 
@@ -47,7 +49,7 @@ fn a_scale_that_a_refit_absorbs_is_told_and_so_are_the_values_that_absorb_it() {
     let said = refused(folder.path(), &FIT);
     assert!(said.contains("position seems to be a tenth of what it was: taken 10 times as large"), "{said}");
     let fitted = fitted_as_recorded(folder.path());
-    assert!(fitted.contains("which no such drive has") && fitted.contains("the unit of position"), "{fitted}");
+    assert!(fitted.contains("which no oil has") && fitted.contains("the unit of position"), "{fitted}");
 }
 
 #[test]

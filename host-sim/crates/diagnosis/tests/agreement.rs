@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use diagnosis::agreement::{Change, Doubt, doubts};
 use diagnosis::base_parameters;
 use machine_file::MachineFile;
+use recording::seeded_noise::Noise;
 use recording::{Recording, Signal};
 
 /// A folder's machine file and its recordings.
@@ -62,9 +63,37 @@ fn a_wrong_scale_is_told_although_a_refit_follows_much_of_it() {
         (Signal::Command, 1e3),
         (Signal::Spool, 100.0),
         (Signal::PressureA, 0.1),
+        (Signal::PressureA, 1e5),
     ] {
         let found = certain(&[Change::Scaled(signal, factor)]);
         let [Change::Scaled(told, by)] = found[..] else { panic!("{found:?}") };
         assert!(told == signal && (by * factor - 1.0).abs() < 1e-9, "{signal} {factor}: {found:?}");
     }
+}
+
+#[test]
+fn two_factors_that_were_left_out_are_told_together() {
+    let left_out = [Change::Scaled(Signal::Position, 1e-3), Change::Scaled(Signal::PressureA, 1e5)];
+    let found = certain(&left_out);
+    assert_eq!(found, [Change::Scaled(Signal::PressureA, 1e-5), Change::Scaled(Signal::Position, 1e3)]);
+}
+
+#[test]
+fn a_tenth_of_a_position_is_told_where_it_hardly_exceeds_its_noise() {
+    // A refit follows it within the noise, by a tenfold bulk modulus and friction and a tenth of the flow.
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../examples/press-63-40");
+    let (file, mut recordings) = case(&folder, &folder.join("machine.toml"));
+    for recording in &mut recordings {
+        let mut noise = Noise::new(5, 1);
+        let noisy: Vec<f64> = recording
+            .signal(Signal::Position)
+            .unwrap()
+            .iter()
+            .map(|value| 0.1 * value + noise.gaussian(2e-5))
+            .collect();
+        recording.replace(Signal::Position, &noisy);
+    }
+    let found = doubts(&file, &base_parameters(&file), &recordings.iter().collect::<Vec<_>>()).unwrap();
+    assert!(found.len() == 1 && found[0].is_certain, "{found:#?}");
+    assert_eq!(found[0].changed.changes, [Change::Scaled(Signal::Position, 10.0)]);
 }

@@ -90,6 +90,11 @@ pub enum Note {
         /// Where the first such line is.
         first: At,
     },
+    /// The header states factors or offsets of these signals, and not whether they have been applied to the values.
+    FactorsInHeader {
+        /// The signals.
+        signals: Vec<Signal>,
+    },
     /// Signals with times of their own were interpolated to the times of the first one.
     Resampled {
         /// The signals.
@@ -122,6 +127,14 @@ impl fmt::Display for Note {
             Note::MappedColumnAbsent { signal, header } => write!(f, "no column `{header}` for {signal}"),
             Note::ReadAsWindows1252 { first } => {
                 write!(f, "not UTF-8 from {first} on: read as Windows-1252, as Excel writes it")
+            }
+            Note::FactorsInHeader { signals } => {
+                let names: Vec<_> = signals.iter().map(|signal| signal.name()).collect();
+                write!(
+                    f,
+                    "the header states a scale factor or offset for {}, and not whether it is applied: the values are taken as they stand",
+                    names.join(", ")
+                )
             }
             Note::Resampled { signals, rows_left_out } => {
                 let names: Vec<_> = signals.iter().map(|signal| signal.name()).collect();

@@ -21,8 +21,8 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     for doubt in &diagnosis.doubts {
         let _ = writeln!(text, "doubt      {}", wording::doubt(doubt));
     }
-    for far in &diagnosis.far_values() {
-        let _ = writeln!(text, "far value  {}", wording::far_value(far));
+    for far in wording::far_values(&diagnosis.far_values()) {
+        let _ = writeln!(text, "far value  {far}");
     }
     if let Some(location) = &diagnosis.located {
         let (link, signal, region) = (location.subsystem, location.signal, wording::region(location.region));

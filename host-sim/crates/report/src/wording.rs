@@ -1,7 +1,7 @@
 //! What the crates below found, in sentences: they return values, and the words are made here, once for the terminal, JSON and the page.
 //! Each is a clause without full stop.
 
-use diagnosis::agreement::{Cause, Change, Doubt, FarValue, Trial};
+use diagnosis::agreement::{Cause, Change, Doubt, FarValue, Suspicion, Trial};
 use diagnosis::correction_table::Unnamed;
 use diagnosis::localisation::Habit;
 use diagnosis::localisation::error_shape::Shape;
@@ -11,6 +11,7 @@ use experiment::discriminate::{Distance, Separation};
 use experiment::inspect::{Advice, Bound, CommandRange, UnitDoubt};
 use identification::compare::weakest::Obstacle;
 use identification::fit::Correlation;
+use model_core::machine::Parameter;
 use recording::display_unit::{difference, significant, state_unit};
 use recording::{Signal, Unit};
 use simulation::signal::noise::extent;
@@ -183,6 +184,21 @@ pub fn recording_advice(advice: &Advice) -> String {
             format!("{signal} is {} {unit} in every row and cannot be judged", significant(unit.from_si(*value), 3))
         }
         Advice::Unit(doubt) => unit_doubt(doubt),
+        Advice::Agreement(suspicion) => format!(
+            "{}; `host-sim fit` and `diagnose` try what would explain it",
+            match suspicion {
+                Suspicion::RunsAgainst(signal) =>
+                    format!("{signal} runs against what the machine file's model does with this input"),
+                Suspicion::PressuresCrossed =>
+                    "each pressure is nearer to what the machine file's model gives for the other chamber".to_owned(),
+                Suspicion::MovesOtherwise(signal, ratio) if ratio.is_finite() => format!(
+                    "{signal} moves {} times as far as the machine file's model does with this input",
+                    significant(*ratio, 2)
+                ),
+                Suspicion::MovesOtherwise(signal, _) =>
+                    format!("{signal} moves, but the machine file's model hardly does with this input"),
+            }
+        ),
         Advice::NeverOpens { by } => {
             format!(
                 "with this {by} the valve never leaves the dead zone, so nothing below it moves: use larger commands"
@@ -317,8 +333,23 @@ fn share(factor: f64) -> Option<&'static str> {
     words.into_iter().find(|(share, _)| (factor / share - 1.0).abs() < 1e-9).map(|(_, word)| word)
 }
 
+/// `a, b and c`.
 fn joined(parts: impl Iterator<Item = String>) -> String {
-    parts.collect::<Vec<_>>().join(" and ")
+    let parts: Vec<String> = parts.collect();
+    match parts.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// The values that a refit has moved farthest; of more than a few only how many, for where so many are far no single one is to blame.
+#[must_use]
+pub fn far_values(far: &[FarValue]) -> Vec<String> {
+    const TOLD: usize = 4;
+    let more = far.len().saturating_sub(TOLD);
+    let more = (more > 0).then(|| format!("{more} more, in the table of refitted parameters"));
+    far.iter().take(TOLD).map(far_value).chain(more).collect()
 }
 
 /// A value that a refit has moved far, and what else would explain it.
@@ -334,7 +365,11 @@ pub fn far_value(far: &FarValue) -> String {
 fn moved(far: &FarValue) -> String {
     let description = far.parameter.description();
     let unit = if description.unit == "1" { String::new() } else { format!(" {}", description.unit) };
-    let verdict = if far.is_impossible { ", which no such drive has" } else { "" };
+    let verdict = match far.parameter {
+        _ if !far.is_impossible => "",
+        Parameter::BulkModulus => ", which no oil has",
+        _ => ", far from any drive that the machine file can mean",
+    };
     format!("{} at {:.3e}{unit} instead of {:.3e}{verdict}", description.key, far.value, far.nominal)
 }
 
@@ -357,7 +392,6 @@ mod tests {
     use super::*;
     use diagnosis::localisation::error_shape::Bin;
     use diagnosis::selection::JumpSpacing;
-    use model_core::machine::Parameter;
 
     #[test]
     fn a_doubt_about_a_unit_says_what_would_do() {
@@ -509,7 +543,7 @@ mod tests {
         };
         assert_eq!(
             far_value(&far),
-            "cylinder.bulk_modulus_pa at 1.170e10 Pa instead of 1.200e9, which no such drive has, 88 of its standard deviations away; \
+            "cylinder.bulk_modulus_pa at 1.170e10 Pa instead of 1.200e9, which no oil has, 88 of its standard deviations away; \
              check the unit of position, bore and rod"
         );
     }

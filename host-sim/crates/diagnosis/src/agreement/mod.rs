@@ -2,8 +2,8 @@
 //!
 //! A sensor that counts the other way, exchanged pressure lines or a position in the wrong unit is no missing physics. But a refit follows much of it:
 //! with a tenth of the position, a tenfold bulk modulus and a tenth of the flow fit as well as before. So a cheap test comes first: how far, and which
-//! way, the machine file's model moves compared with what was recorded ([`response`]). Only where that raises a doubt, changes of the recordings that
-//! would remove it ([`direction`], [`scale`]) are tried by rough refits of short parts ([`trial`]).
+//! way, the machine file's model moves compared with what was recorded (`response`). Only where that raises a doubt, changes of the recordings that
+//! would remove it (`direction`, `scale`) are tried by rough refits of short parts (`trial`).
 
 mod change;
 mod direction;
@@ -43,6 +43,32 @@ pub struct Doubt {
     pub others: Vec<Trial>,
     /// Whether it is beyond doubt: as they are, the recordings cannot be those of this machine file.
     pub is_certain: bool,
+}
+
+/// What a first look at a recording shows beside the machine file's model, without a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Suspicion {
+    /// This signal runs against the model's.
+    RunsAgainst(Signal),
+    /// Each pressure is nearer to the other one's simulation than to its own.
+    PressuresCrossed,
+    /// This signal moves so many times as far as the model's; infinite where that hardly moves.
+    MovesOtherwise(Signal, f64),
+}
+
+/// What a first look at a recording shows; nothing where it cannot be simulated.
+#[must_use]
+pub fn first_look(file: &MachineFile, recording: &Recording) -> Vec<Suspicion> {
+    let Some(responses) = Responses::of(file, recording) else { return Vec::new() };
+    let each = || responses.each.iter();
+    let against = each().filter(|response| direction::runs_against(response));
+    let crossed = direction::are_crossed(&responses).then_some(Suspicion::PressuresCrossed);
+    let off = each().filter(|response| scale::is_off(response.ratio));
+    against
+        .map(|response| Suspicion::RunsAgainst(response.signal))
+        .chain(crossed)
+        .chain(off.map(|response| Suspicion::MovesOtherwise(response.signal, response.ratio)))
+        .collect()
 }
 
 /// A doubt that a first look raises: which changes are to be tried, in which signals it shows, and in which of the recordings.

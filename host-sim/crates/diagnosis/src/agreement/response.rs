@@ -10,7 +10,8 @@ use simulation::signal::slope::slopes;
 use simulation::signal::window::rows_in;
 use simulation::{InputPoint, StartOffset, first_input_point, natural_tick, simulate_f64};
 
-use super::change::rows;
+use super::change::{Change, rows};
+use super::scale::factors_of;
 
 /// Longest part of a recording that is looked at and refitted, s: a few strokes, so that a refit takes a fraction of a second.
 const PART_S: f64 = 5.0;
@@ -19,8 +20,12 @@ const BEFORE_S: f64 = 0.3;
 const BEGINS: f64 = 0.05;
 /// A position is compared by its slope over this time, s: a free run drifts away, its speed does not.
 const SLOPE_S: f64 = 0.1;
-/// A signal moves if it does so by more than this many times its noise.
-const MOVES: f64 = 10.0;
+/// A signal moves if it does so by more than this many times its noise, which then adds little to how far it moves.
+const MOVES: f64 = 3.0;
+/// Pressures above this many times the supply pressure are in another unit: a load or a thin rod raises them by half.
+const BEYOND_SUPPLY: f64 = 3.0;
+/// They are scaled to the factor with which the largest one lies between these shares of the supply pressure.
+const WITHIN_SUPPLY: std::ops::RangeInclusive<f64> = 0.15..=1.5;
 
 /// What one judged signal does.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +45,8 @@ pub(super) struct Responses {
     pub(super) each: Vec<Response>,
     /// How far both pressures are from each other's simulation over how far they are from their own; infinite where they are not both recorded.
     pub(super) crossed: f64,
+    /// A change that the recording needs to be simulated at all: pressures far above the supply start the model in a state that no drive has.
+    pub(super) needed: Option<Change>,
     /// The largest recorded load over the largest force of the drive.
     pub(super) load: f64,
     /// Whether the direction of a pump's flow is recorded beside its speed.
@@ -50,7 +57,12 @@ impl Responses {
     /// Of a recording; `None` where the model cannot be simulated with it: why, is told when it is prepared.
     pub(super) fn of(file: &MachineFile, recording: &Recording) -> Option<Self> {
         let machine = &file.machine;
-        let recording = &part(file, recording);
+        let mut recording = part(file, recording);
+        let needed = needed(&recording, machine);
+        if let Some(change) = needed {
+            recording = change.of(&recording, machine);
+        }
+        let recording = &recording;
         let case = prepared(recording, machine, file.load_source).ok()?;
         let run = simulate_f64(machine, &case.stimulus, StartOffset::none()).ok()?;
         let reach = (rows_in(&case.time_s, SLOPE_S) / 2).max(1);
@@ -95,6 +107,7 @@ impl Responses {
             input_point: case.stimulus.input_point,
             each,
             crossed,
+            needed,
             load: low.abs().max(high.abs()) / largest_n,
             has_direction: recording.has(Signal::ValveDirection),
         })
@@ -138,6 +151,17 @@ pub(super) fn part(file: &MachineFile, recording: &Recording) -> Recording {
     let from = time_s.partition_point(|time| *time < time_s[begins] - BEFORE_S);
     let to = time_s.partition_point(|time| *time <= time_s[from] + PART_S);
     rows(recording, from..to).unwrap_or_else(|| recording.clone())
+}
+
+/// The factor that brings pressures far above the supply pressure below it.
+fn needed(recording: &Recording, machine: &Machine<f64>) -> Option<Change> {
+    let pressures = [Signal::PressureA, Signal::PressureB].into_iter().filter_map(|signal| recording.signal(signal));
+    let (_, high) = extent(pressures.flatten());
+    let share = high / machine.get(Parameter::SupplyPressure);
+    let within = |factor: &f64| WITHIN_SUPPLY.contains(&(factor * share));
+    let factor =
+        factors_of(Signal::PressureA).map(|factor| 1.0 / factor).find(within).filter(|_| share > BEYOND_SUPPLY)?;
+    Some(Change::Scaled(Signal::PressureA, factor))
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -15,8 +15,8 @@ const POWERS: [f64; 3] = [10.0, 100.0, 1000.0];
 const INCH: f64 = 25.4;
 /// Seconds in a minute.
 const MINUTE: f64 = 60.0;
-/// psi in a bar, and kPa in a psi.
-const PSI: [f64; 2] = [14.504, 6.8948];
+/// Pa in a bar and in a MPa, psi in a bar, and kPa in a psi.
+const PRESSURES: [f64; 4] = [1e5, 1e6, 14.504, 6.8948];
 /// A factor is tried if it is within this ratio of what was seen.
 const NEAR: f64 = 2.0;
 /// A load of more than this many times the force of the supply pressure on the piston cannot be moved or held.
@@ -67,6 +67,17 @@ pub(super) fn changes(responses: &Responses) -> (Vec<Vec<Change>>, Vec<Signal>) 
             signals = responses.each.iter().map(|response| response.signal).collect();
         }
     }
+    // A change without which nothing can be simulated goes before all others, and may be enough.
+    if let Some(needed) = responses.needed {
+        for changes in &mut found {
+            changes.insert(0, needed);
+        }
+        found.push(vec![needed]);
+        let pressures =
+            [Signal::PressureA, Signal::PressureB].into_iter().filter(|signal| responses.to(*signal).is_some());
+        signals = pressures.chain(signals).collect();
+        signals.dedup();
+    }
     (found, signals)
 }
 
@@ -74,22 +85,28 @@ fn both_pressures(responses: &Responses) -> usize {
     [Signal::PressureA, Signal::PressureB].into_iter().filter(|signal| responses.to(*signal).is_some()).count()
 }
 
-fn is_off(ratio: f64) -> bool {
+/// Whether a signal moves much further, or much less, than the model's.
+pub(super) fn is_off(ratio: f64) -> bool {
     !(1.0 / OFF..=OFF).contains(&ratio)
 }
 
-/// The usual factors of a signal near a ratio.
-fn factors(signal: Signal, ratio: f64) -> Vec<f64> {
+/// The usual factors of a signal, all above 1.
+pub(super) fn factors_of(signal: Signal) -> impl Iterator<Item = f64> {
     let own: &[f64] = match signal {
         Signal::Position => &[INCH],
         Signal::Velocity => &[INCH, MINUTE],
         Signal::PumpSpeed => &[MINUTE, std::f64::consts::TAU],
-        Signal::PressureA | Signal::PressureB => &PSI,
+        Signal::PressureA | Signal::PressureB => &PRESSURES,
         _ => &[],
     };
-    let of = |factor: &f64| if ratio < 1.0 { 1.0 / factor } else { *factor };
+    POWERS.iter().chain(own).copied()
+}
+
+/// Those near a ratio.
+fn factors(signal: Signal, ratio: f64) -> Vec<f64> {
+    let of = |factor: f64| if ratio < 1.0 { 1.0 / factor } else { factor };
     let near = |factor: &f64| (1.0 / NEAR..=NEAR).contains(&(ratio / factor));
-    POWERS.iter().chain(own).map(of).filter(near).collect()
+    factors_of(signal).map(of).filter(near).collect()
 }
 
 /// Powers of ten beyond a ratio: the overlap of a valve makes a small input smaller, and its end of travel holds back a large one.

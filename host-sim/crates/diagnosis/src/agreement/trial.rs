@@ -26,7 +26,7 @@ const HOPELESS: f64 = 0.6;
 /// Where values that no drive has make the recordings fit as they are, the change has to follow this closely without them.
 const CLOSELY: f64 = 0.15;
 /// The squared distance of all base parameters, in their standard deviations, has to fall to this share.
-const FREED: f64 = 0.1;
+const FREED: f64 = 0.5;
 /// Another change does as well as the best one if it misses less than this many times as much.
 const AS_WELL: f64 = 1.5;
 

@@ -1,5 +1,6 @@
 //! What is worth a second look, or another recording. Sentences for it are formed by `report`.
 
+use diagnosis::agreement::Suspicion;
 use recording::{Signal, Unit};
 
 /// One piece of advice.
@@ -16,6 +17,8 @@ pub enum Advice {
     },
     /// A unit can hardly be right.
     Unit(UnitDoubt),
+    /// A signal does not do what the machine file's model does with the recorded input.
+    Agreement(Suspicion),
     /// The valve stays in its dead zone.
     NeverOpens {
         /// What its opening is read from.

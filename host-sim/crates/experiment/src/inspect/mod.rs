@@ -8,6 +8,7 @@ mod excitation;
 mod testable;
 mod units;
 
+use diagnosis::agreement::{Suspicion, first_look};
 use identification::clock::Stamps;
 use machine_file::MachineFile;
 use model_core::machine::Source;
@@ -61,6 +62,12 @@ impl Inspection {
         let excited = Excited::of(recording, file.map(|file| &file.machine));
         let mut advice: Vec<Advice> = excitation::constant(&channels).collect();
         let doubts = file.map(|file| unit_doubts(recording, &file.machine)).unwrap_or_default();
+        // A doubtful unit says already why a signal moves otherwise than the model's.
+        let is_explained = |suspicion: &Suspicion| {
+            matches!(suspicion, Suspicion::MovesOtherwise(..) | Suspicion::PressuresCrossed) && !doubts.is_empty()
+        };
+        let suspicions = file.map(|file| first_look(file, recording)).unwrap_or_default();
+        advice.extend(suspicions.into_iter().filter(|suspicion| !is_explained(suspicion)).map(Advice::Agreement));
         advice.extend(doubts.into_iter().map(Advice::Unit));
         advice.extend(excited.advice());
         Self {

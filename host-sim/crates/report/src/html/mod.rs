@@ -110,7 +110,7 @@ fn improvement(diagnosis: &Diagnosis) -> Markup {
 fn doubtful(diagnosis: &Diagnosis) -> Markup {
     html! {
         @for doubt in &diagnosis.doubts { p class="fact" { "Doubt: " (wording::doubt(doubt)) "." } }
-        @for far in &diagnosis.far_values() { p class="fact" { "Far value: " (wording::far_value(far)) "." } }
+        @for far in wording::far_values(&diagnosis.far_values()) { p class="fact" { "Far value: " (far) "." } }
     }
 }
 

@@ -16,7 +16,8 @@
 //!
 //! A channel is known by its name (`position [mm]`), or by name or symbol through the channel map
 //! (`GVL.Kolbenweg [mm]`); its unit stands in brackets in the map or in the name, or else in the row
-//! `Unit` (`mm (Length)`). All signals come out at the times of the first known channel of the file:
+//! `Unit` (`mm (Length)`). Values are taken as they stand: where the rows `ScaleFactor`, `Unit ScaleFactor`, `Offset` or `Unit Offset` would change
+//! them, a note says so. All signals come out at the times of the first known channel of the file:
 //! those with other times are interpolated linearly there. Times outside any signal's range and repeated times are
 //! left out; they are written back where the recording is. Time goes out as `time [s]`. Full timestamps
 //! instead of ms are refused.
@@ -37,6 +38,11 @@ pub(crate) const FIRST_CELL: &str = "Name";
 
 /// Most header rows; a real export has about twenty.
 const MAX_HEADER_ROWS: usize = 200;
+
+/// Rows of the channel block with which an export may have scaled its values, or not: its header is the same either way. Each with the value that
+/// changes nothing.
+const FACTORS: [(&str, f64); 4] =
+    [("ScaleFactor", 1.0), ("Unit ScaleFactor", 1.0), ("Offset", 0.0), ("Unit Offset", 0.0)];
 
 /// Larger than any time in ms: a full timestamp counts 100 ns since 1601.
 const FULL_TIMESTAMP: f64 = 1e15;
@@ -204,7 +210,18 @@ impl Channels {
                 missing: "a channel that is a known signal; name them with --map",
             });
         }
-        Ok(Self { width, known, ignored: assignment.ignored, notes: assignment.notes, repeated: 0, first_repeated: 0 })
+        let states = |key: &str, index: usize, usual: f64| {
+            cell(key, index)
+                .and_then(|text| parse_number(text, true))
+                .is_some_and(|value| (value - usual).abs() > f64::EPSILON)
+        };
+        let has_factor =
+            |channel: &&Channel| FACTORS.iter().any(|(key, usual)| states(key, channel.value_cell, *usual));
+        let signals: Vec<Signal> =
+            known.iter().filter(has_factor).map(|channel| channel.samples.column.signal).collect();
+        let mut notes = assignment.notes;
+        notes.extend((!signals.is_empty()).then_some(Note::FactorsInHeader { signals }));
+        Ok(Self { width, known, ignored: assignment.ignored, notes, repeated: 0, first_repeated: 0 })
     }
 }
 
@@ -271,6 +288,23 @@ mod tests {
         assert_eq!(recording.signal(Signal::Spool).unwrap(), [0.1, 0.2]);
         assert_eq!(recording.signal(Signal::Position).unwrap(), [0.001, 0.002]);
         assert!(recording.notes().contains(&Note::DuplicateTimes { rows: 1, first: At::Line(5) }));
+    }
+
+    #[test]
+    fn factors_in_the_header_are_noted_where_they_would_change_a_known_signal() {
+        let map = ["position=MAIN.axis.pos [mm]"];
+        let usual = "ScaleFactor\t1\t1\tScaleFactor\t1\nUnit Offset\t0\t0\tUnit Offset\t0\n";
+        assert_eq!(
+            read(&EXPORT.replacen("SymbolName", &format!("{usual}SymbolName"), 1), &map).unwrap().notes().len(),
+            1
+        );
+        let scaled = "ScaleFactor\t1\t1\tScaleFactor\t1e-05\nUnit ScaleFactor\t1\t1000\tUnit ScaleFactor\t1\n";
+        let export = EXPORT.replacen("SymbolName", &format!("{scaled}SymbolName"), 1);
+        let signals = vec![Signal::Position, Signal::PressureA];
+        assert!(read(&export, &map).unwrap().notes().contains(&Note::FactorsInHeader { signals }));
+        // A channel that is not read does not matter.
+        let signals = vec![Signal::PressureA];
+        assert!(read(&export, &[]).unwrap().notes().contains(&Note::FactorsInHeader { signals }));
     }
 
     #[test]
