@@ -6,10 +6,13 @@ use std::path::{Path, PathBuf};
 use comfy_table::{Attribute, Cell, CellAlignment, Table};
 use identification::parallel;
 
-use identification::compare::weakest::{Weakest, missed_by_the_whole, obstacles, weakest};
+use diagnosis::base_parameters;
+use identification::compare::open_loop::put_sways;
+use identification::compare::weakest::{Weakest, missed_by_the_whole, obstacles, unjudged, weakest};
 use identification::compare::{Comparison, Section, compare_with_progress, judged, rows_simulated};
+use identification::fit::{Free, Freedom};
 use machine_file::{LoadSource, MachineFile};
-use model_core::machine::Tick;
+use model_core::machine::{Parameter, Tick};
 use recording::display_unit::{TABLE, arrange, difference, percent};
 use recording::files::source_error::printable;
 use recording::{Recording, Signal};
@@ -127,11 +130,19 @@ fn plot_paths(path: &Path, recordings: &[Recording]) -> Vec<PathBuf> {
 fn compared(job: &Job, machine: &Path, console: &Console<'_>) -> Result<Vec<Comparison>, CliError> {
     let rows = |recording| rows_simulated(job.file.machine.source, job.file.load_source, recording) as u64;
     let bar = console.share(job.recordings.iter().map(rows).sum(), "comparing");
+    let sigma = |free: Free| match free.freedom {
+        Freedom::Around { sigma, .. } => Some((free.parameter, sigma)),
+        _ => None,
+    };
+    let sigmas: Vec<(Parameter, f64)> = base_parameters(&job.file).into_iter().filter_map(sigma).collect();
     let comparisons = parallel::try_each(&job.recordings, |recording| {
         let MachineFile { machine: values, load_source, .. } = &job.file;
         let told = |rows| bar.inc(rows as u64);
-        let found = compare_with_progress(values, *load_source, recording, job.arithmetic, job.tick, &told);
-        found.map_err(|cause| CliError::Compare { machine: machine.to_owned(), cause })
+        let failed = |cause| CliError::Compare { machine: machine.to_owned(), cause };
+        let mut found =
+            compare_with_progress(values, *load_source, recording, job.arithmetic, job.tick, &told).map_err(failed)?;
+        put_sways(&mut found, values, *load_source, recording, job.tick, &sigmas).map_err(failed)?;
+        Ok(found)
     });
     bar.finish_and_clear();
     comparisons
@@ -202,6 +213,7 @@ fn sentences(comparisons: &[Comparison], load: LoadSource) -> Vec<String> {
         }
         lines.push(meaning(found, missed_by_the_whole(comparisons)));
     }
+    lines.extend(unjudged(comparisons).iter().map(|part| format!("{}.", report::wording::unjudged(part))));
     let missing: BTreeSet<&str> =
         comparisons.iter().flat_map(|comparison| obstacles(comparison, load)).map(report::wording::obstacle).collect();
     lines.extend(missing.into_iter().map(|missing| format!("But {missing}.")));
@@ -225,6 +237,17 @@ fn meaning(found: Weakest, whole: Option<(Signal, f64)>) -> String {
     if found.follows() {
         return "Every part follows its recordings to about their noise; there is no sign of missing physics."
             .to_owned();
+    }
+    if !found.is_judged && found.section != Section::EndToEnd {
+        return match whole {
+            Some((signal, fit)) => format!(
+                "No part that can be judged by itself misses its recordings. But end to end {signal} is at {} %, more than small errors of\n\
+                 sensors and parameters make: `host-sim diagnose` refits and looks closer.",
+                percent(fit)
+            ),
+            None => "Nothing is missed by more than small errors of sensors and parameters make; `host-sim diagnose` refits and looks closer."
+                .to_owned(),
+        };
     }
     let signal = found.signal;
     let told = match found.section {
@@ -252,7 +275,8 @@ fn meaning(found: Weakest, whole: Option<(Signal, f64)>) -> String {
         ),
         (None, Some(_)) => {
             format!(
-                "{told}; the other parts fit better.\nAn effect is missing in this part, or one of its parameters is wrong."
+                "{told}; the other parts fit better.\n\
+                 This part does not follow: an effect is missing in it, or a parameter is further off than its standard deviation."
             )
         }
         (None, None) => format!("{told}.\nIt is the only part that could be judged by itself."),

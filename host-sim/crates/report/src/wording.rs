@@ -9,7 +9,8 @@ use diagnosis::localisation::operating_region::{Condition, Region};
 use diagnosis::selection::JumpsFound;
 use experiment::discriminate::{Distance, Separation};
 use experiment::inspect::{Advice, Bound, CommandRange, UnitDoubt};
-use identification::compare::weakest::Obstacle;
+use identification::compare::open_loop::{Mover, SENSOR_OFFSET};
+use identification::compare::weakest::{Obstacle, Unjudged};
 use identification::fit::Correlation;
 use model_core::machine::Parameter;
 use recording::display_unit::{difference, significant, state_unit};
@@ -174,6 +175,26 @@ pub fn obstacle(obstacle: Obstacle) -> &'static str {
              `load_force` to avoid"
         }
     }
+}
+
+/// Why the misfit of a part says nothing about its physics.
+#[must_use]
+pub fn unjudged(part: &Unjudged) -> String {
+    let Unjudged { section, signal, rmse, sway } = part;
+    let (missed, moved) = (difference(*signal, *rmse), difference(*signal, sway.by_most));
+    let by = match sway.most {
+        Mover::Offset(signal) => {
+            let sensor = match signal {
+                Signal::PressureA | Signal::PressureB => "a pressure sensor".to_owned(),
+                other => format!("the sensor of {other}"),
+            };
+            format!("an offset of {} % of the full scale of {sensor}", significant(100.0 * SENSOR_OFFSET, 1))
+        }
+        Mover::Parameter(parameter) => format!("{} off by its standard deviation", parameter.description().key),
+    };
+    format!(
+        "{section} cannot be judged by {signal}, which it misses by {missed}: in open loop {by} alone moves it by {moved}"
+    )
 }
 
 /// What is worth a second look in a recording, or another recording.

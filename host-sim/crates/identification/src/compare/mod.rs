@@ -3,6 +3,7 @@
 //! If a link is driven by its measured input and its measured output still does not fit, physics is missing in that link.
 
 pub mod judged;
+pub mod open_loop;
 pub mod weakest;
 
 use std::fmt;
@@ -18,6 +19,7 @@ use simulation::{
 
 pub use crate::error::CompareError;
 use crate::input_noise::{input_noise, realisations};
+use open_loop::Sway;
 
 /// A part of the model between measured signals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -68,6 +70,8 @@ pub struct SectionFit {
     pub fits: Vec<SignalFit>,
     /// RMS error of each of these signals that the noise of the recorded signals driving the section causes, in SI units.
     pub input_noise: Vec<f64>,
+    /// How far each of these signals moves by small errors of sensors and parameters; empty where that was not asked ([`open_loop::put_sways`]).
+    pub sways: Vec<Option<Sway>>,
     /// What it computed.
     pub trajectory: Trajectory,
 }
@@ -161,7 +165,14 @@ pub fn compare_with_progress(
                     Some(SignalFit::of(signal, recording.time_s(), recorded, simulated))
                 })
                 .collect();
-            Ok(SectionFit { section: plan.section, input_point: plan.input_point, fits, input_noise, trajectory })
+            Ok(SectionFit {
+                section: plan.section,
+                input_point: plan.input_point,
+                fits,
+                input_noise,
+                sways: Vec::new(),
+                trajectory,
+            })
         })
         .collect::<Result<Vec<_>, CompareError>>()?;
     Ok(Comparison { recording: recording.name().to_owned(), sections })
