@@ -5,18 +5,24 @@ use std::ops::Range;
 use toml_edit::{Item, TableLike, Value};
 
 use recording::channel_map::nearest_signal;
-use recording::{Mapping, Scale, Signal};
+use recording::{Mapping, PressureZero, Scale, Signal};
 
 use crate::error::MachineFileError;
 use crate::keys;
 use crate::reader::{NUMBER, Reader};
 
+/// The key of the zero of all pressure sensors.
+pub(crate) const PRESSURE: &str = "pressure";
 const KEYS: [&str; 3] = ["column", "zero", "full"];
 
 impl Reader<'_> {
     /// Reads the table: a header in quotation marks, or a table of `column`, `zero` and `full`, for each signal.
     pub(crate) fn channels(&mut self, table: &dyn TableLike) -> Result<(), MachineFileError> {
         for (key, item) in table.iter() {
+            if key == PRESSURE {
+                self.result.channels.pressure = self.pressure(item)?;
+                continue;
+            }
             let Some(signal) = Signal::parse(key) else {
                 let (place, found) = (self.key_place(table, key), key.to_owned());
                 return Err(MachineFileError::UnknownSignal { place, found, nearest: nearest_signal(key) });
@@ -32,6 +38,18 @@ impl Reader<'_> {
             self.result.channels.insert(signal, mapping);
         }
         Ok(())
+    }
+
+    /// Where the pressure sensors read zero.
+    fn pressure(&self, item: &Item) -> Result<PressureZero, MachineFileError> {
+        let key = format!("channels.{PRESSURE}");
+        let found = self.string(item, &key)?;
+        PressureZero::parse(found).ok_or_else(|| MachineFileError::UnknownChoice {
+            place: self.place(item.span()),
+            key,
+            found: found.to_owned(),
+            choices: "\"gauge\", \"absolute\" or \"unknown\"",
+        })
     }
 
     fn header(&self, signal: Signal, key: &str, item: &Item) -> Result<String, MachineFileError> {

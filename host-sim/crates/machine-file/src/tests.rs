@@ -270,6 +270,11 @@ fn a_sensor_that_reads_volts_has_its_zero_and_full_reading_beside_its_column() {
     assert!(file.to_text("machine.toml").unwrap().contains("zero = 5, full = 5.0 }"));
     let mut made = MachineFile::from_machine("made", file.machine);
     made.channels = file.channels.clone();
+    assert_eq!(file.channels.pressure, recording::PressureZero::Gauge);
+    made.channels.pressure = recording::PressureZero::Absolute;
+    let absolute = parse(&made.to_text("made.toml").unwrap()).unwrap().channels;
+    assert_eq!(absolute, made.channels);
+    made.channels = file.channels.clone();
     assert_eq!(parse(&made.to_text("made.toml").unwrap()).unwrap().channels, file.channels);
 }
 

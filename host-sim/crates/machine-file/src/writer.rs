@@ -6,10 +6,11 @@ use std::path::Path;
 use toml_edit::{Array, Document, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 use model_core::machine::Parameter;
-use recording::Scale;
 use recording::files::atomic;
 use recording::files::source_error::Place;
+use recording::{PressureZero, Scale};
 
+use crate::channels::PRESSURE;
 use crate::error::MachineFileError;
 use crate::keys::{self, EFFECTS};
 use crate::reader::read_text;
@@ -110,6 +111,10 @@ impl MachineFile {
     }
 
     fn put_channels(&self, document: &mut DocumentMut, before: Option<&MachineFile>) {
+        let zero = before.map_or(PressureZero::default(), |before| before.channels.pressure);
+        if zero != self.channels.pressure {
+            put(table(document.as_table_mut(), "channels"), PRESSURE, self.channels.pressure.name().into());
+        }
         for (signal, mapping) in self.channels.iter() {
             let stands = before.and_then(|before| before.channels.get(signal));
             if stands.is_none_or(|stands| (&stands.header, stands.scale) != (&mapping.header, mapping.scale)) {

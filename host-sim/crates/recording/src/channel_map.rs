@@ -42,6 +42,38 @@ impl Mapping {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChannelMap {
     entries: BTreeMap<Signal, Mapping>,
+    /// The zero of all pressure sensors.
+    pub pressure: PressureZero,
+}
+
+/// Where the pressure sensors of a drive read zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PressureZero {
+    /// At the pressure of the air.
+    #[default]
+    Gauge,
+    /// In a vacuum.
+    Absolute,
+    /// Not known.
+    Unknown,
+}
+
+impl PressureZero {
+    /// Its name in a machine file.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            PressureZero::Gauge => "gauge",
+            PressureZero::Absolute => "absolute",
+            PressureZero::Unknown => "unknown",
+        }
+    }
+
+    /// The zero of this name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        [Self::Gauge, Self::Absolute, Self::Unknown].into_iter().find(|zero| zero.name() == name)
+    }
 }
 
 /// Why a `--map` argument cannot be used.
@@ -116,7 +148,7 @@ impl ChannelMap {
     /// This map without the entry of a signal.
     pub(crate) fn without(&self, signal: Signal) -> Self {
         let entries = self.entries.iter().filter(|(own, _)| **own != signal);
-        Self { entries: entries.map(|(own, mapping)| (*own, mapping.clone())).collect() }
+        Self { entries: entries.map(|(own, mapping)| (*own, mapping.clone())).collect(), pressure: self.pressure }
     }
 
     /// All entries.

@@ -1,6 +1,6 @@
 //! From header texts to the signals they hold.
 
-use crate::channel_map::{ChannelMap, Mapping, Scale};
+use crate::channel_map::{ChannelMap, Mapping, PressureZero, Scale};
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::recording::{Column, Note};
@@ -93,6 +93,8 @@ pub(crate) fn assign(
             }
             other => other?,
         };
+        let is_absolute = signal.is_pressure() && map.pressure == PressureZero::Absolute;
+        let unit = if is_absolute { unit.absolute() } else { unit };
         if let Some((_, first)) = assignment.known.iter().find(|(_, column)| column.signal == signal) {
             let (first, second) = (first.header.clone(), offer.header.clone());
             return Err(RecordingError::DuplicateColumn { place: place(index), signal, first, second });

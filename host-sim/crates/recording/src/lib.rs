@@ -25,7 +25,7 @@ mod static_table;
 mod unit;
 mod unit_in_name;
 
-pub use channel_map::{ChannelMap, MapError, Mapping, Scale};
+pub use channel_map::{ChannelMap, MapError, Mapping, PressureZero, Scale};
 pub use error::RecordingError;
 pub use formats::chunks::{PART_ROWS, Part, Parts};
 pub use formats::format::{Format, MAX_BINARY_BYTES, MAX_UNPACKED_BYTES};
@@ -36,4 +36,4 @@ pub use formats::unsupported::Unsupported;
 pub use recording::{At, Column, Note, Recording};
 pub use signal::Signal;
 pub use static_table::StaticTable;
-pub use unit::{Dimension, Unit};
+pub use unit::{ATMOSPHERE_PA, Dimension, Unit};

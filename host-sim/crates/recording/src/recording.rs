@@ -7,10 +7,11 @@
 use std::fmt;
 use std::path::Path;
 
+use crate::display_unit::significant;
 use crate::error::RecordingError;
 use crate::files::source_error::{Place, counted, engineering, rounded};
 use crate::signal::Signal;
-use crate::unit::Unit;
+use crate::unit::{ATMOSPHERE_PA, Unit};
 
 /// One known column of a recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +63,13 @@ pub enum Note {
         /// Where the first one is.
         first: At,
     },
+    /// Rows share coarse time stamps and were spread within them.
+    CoarseTimes {
+        /// From one stamp to the next, s.
+        step_s: f64,
+        /// From one row to the next, s.
+        interval_s: f64,
+    },
     /// Rows with an empty cell in a known column were left out.
     IncompleteRows {
         /// How many.
@@ -95,6 +103,8 @@ pub enum Note {
         /// The signals.
         signals: Vec<Signal>,
     },
+    /// The pressures fit the drive only without the pressure of the air in them.
+    TakenAsAbsolute,
     /// Signals with times of their own were interpolated to the times of the first one.
     Resampled {
         /// The signals.
@@ -112,6 +122,12 @@ impl fmt::Display for Note {
             }
             Note::DuplicateTimes { rows, first } => {
                 write!(f, "{rows} rows repeat the time before them and are left out, the first in {first}")
+            }
+            Note::CoarseTimes { step_s, interval_s } => {
+                let ms = |time_s: f64| significant(1e3 * time_s, 3);
+                let (step, rows) = (ms(*step_s), significant(step_s / interval_s, 3));
+                write!(f, "time stamps are {step} ms apart and {rows} rows share one: ")?;
+                write!(f, "they are spread evenly, {} ms apart", ms(*interval_s))
             }
             Note::IncompleteRows { rows: 1, first } => {
                 write!(f, "1 row has an empty cell and is left out, in {first}")
@@ -135,6 +151,10 @@ impl fmt::Display for Note {
                     "the header states a scale factor or offset for {}, and not whether it is applied: the values are taken as they stand",
                     names.join(", ")
                 )
+            }
+            Note::TakenAsAbsolute => {
+                let bar = significant(1e-5 * ATMOSPHERE_PA, 3);
+                write!(f, "the pressures read about {bar} bar too much, as absolute sensors do: taken as absolute")
             }
             Note::Resampled { signals, rows_left_out } => {
                 let names: Vec<_> = signals.iter().map(|signal| signal.name()).collect();
@@ -235,6 +255,17 @@ impl Recording {
             column.values.truncate(rows.max(2));
         }
         Self { columns, left_out: LeftOut::default(), ..self.clone() }
+    }
+
+    /// Takes its pressures as read by absolute sensors, and notes it. They are written back as they were read.
+    pub fn take_as_absolute(&mut self) {
+        for column in self.columns.iter_mut().filter(|column| column.signal.is_pressure()) {
+            column.unit = column.unit.absolute();
+            for value in &mut column.values {
+                *value -= ATMOSPHERE_PA;
+            }
+        }
+        self.notes.push(Note::TakenAsAbsolute);
     }
 
     /// Replaces the values of a signal by as many other values.

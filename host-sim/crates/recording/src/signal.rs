@@ -68,6 +68,12 @@ impl Signal {
         self.dimensions() == [Dimension::Ratio]
     }
 
+    /// Whether it is a pressure.
+    #[must_use]
+    pub fn is_pressure(self) -> bool {
+        self.dimensions() == [Dimension::Pressure]
+    }
+
     /// The known units in which it may be recorded, for messages: `V mV mA`.
     #[must_use]
     pub fn units(self) -> String {

@@ -58,6 +58,9 @@ const fn unit(symbol: &'static str, dimension: Dimension, multiply: f64, divide:
 /// Adding it changes no number, not even -0.0; adding +0.0 would turn -0.0 into 0.0.
 const NO_OFFSET: f64 = -0.0;
 
+/// Pressure of the air, Pa: what an absolute sensor reads more than one whose zero is the air. Source: the standard atmosphere.
+pub const ATMOSPHERE_PA: f64 = 101_325.0;
+
 const PSI_PA: f64 = 6_894.757_293_168_361;
 
 /// Every known unit; the first unit of a dimension is the one used inside the program.
@@ -127,6 +130,11 @@ impl Unit {
     pub(crate) fn of_sensor(readings_in: Option<Self>, dimension: Dimension, zero: f64, full: f64) -> Self {
         let symbol = readings_in.map_or("reading", Self::symbol);
         Self { symbol, dimension, multiply: 1.0, divide: full, add: -zero / full }
+    }
+
+    /// This unit of a pressure, read by a sensor whose zero is the vacuum.
+    pub(crate) fn absolute(self) -> Self {
+        Self { add: self.add - ATMOSPHERE_PA, ..self }
     }
 
     /// Every known unit.

@@ -13,6 +13,7 @@ use super::resample::{self, Sampled};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
+use crate::formats::coarse_stamps::CoarseStamps;
 use crate::formats::text::lines::{MAX_COLUMNS, most_rows};
 use crate::header::{Assignment, Offer, assign, one};
 use crate::recording::{At, Column, LeftOut, Note, Recording};
@@ -261,6 +262,15 @@ impl<C: Contents> File<'_, C> {
         }
         for column in &mut columns {
             column.values.truncate(kept);
+        }
+        if repeated.is_some() && kept > 1 {
+            let mut series: Vec<&mut Vec<f64>> = columns.iter_mut().map(|column| &mut column.values).collect();
+            if let Some(mut coarse) = CoarseStamps::found(&mut series, &mut left_out) {
+                coarse.finish(&mut series);
+                notes.push(coarse.note());
+                repeated = None;
+                kept = columns[0].values.len();
+            }
         }
         if kept < 2 {
             return Err(RecordingError::TooFewRows { place: Place::file(self.name), rows: kept, skipped: rows - kept });

@@ -4,6 +4,7 @@
 #[cfg(feature = "parquet")]
 mod catch_panic;
 pub(crate) mod chunks;
+mod coarse_stamps;
 mod columns;
 pub mod format;
 #[cfg(feature = "mat")]

@@ -7,6 +7,7 @@ use std::ops::RangeInclusive;
 
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
+use crate::formats::coarse_stamps::CoarseStamps;
 use crate::recording::{At, Column, LeftOut, Note, Recording};
 use crate::signal::Signal;
 
@@ -40,6 +41,20 @@ impl Sampled {
         Ok(true)
     }
 
+    /// Spreads its samples within coarse time stamps, if it has such; the note on it, and the number of samples that no longer repeat a time.
+    fn spread(&mut self) -> Option<(Note, usize)> {
+        let cells = |&(after, value): &(usize, f64)| [Some(self.time_s[after - 1]), Some(value)];
+        let mut left_out = LeftOut {
+            after: self.repeated.iter().map(|(after, _)| *after).collect(),
+            cells: self.repeated.iter().flat_map(cells).collect(),
+        };
+        let mut series = [&mut self.time_s, &mut self.column.values];
+        let mut coarse = CoarseStamps::found(&mut series, &mut left_out)?;
+        coarse.finish(&mut series);
+        let spread = std::mem::take(&mut self.repeated).len();
+        Some((coarse.note(), spread))
+    }
+
     /// Its value at a time, linear between its samples; `None` where it has none.
     fn at(&self, time: f64) -> Option<f64> {
         let after = self.time_s.partition_point(|own| *own < time).max(1);
@@ -51,11 +66,18 @@ impl Sampled {
 /// The recording of at least one channel; `repeated` is the number of samples that repeat a time, and the place of the first of them.
 pub(crate) fn together(
     name: &str,
-    known: Vec<Sampled>,
+    mut known: Vec<Sampled>,
     ignored: Vec<String>,
     mut notes: Vec<Note>,
-    repeated: Option<(usize, At)>,
+    mut repeated: Option<(usize, At)>,
 ) -> Result<Recording, RecordingError> {
+    for channel in &mut known {
+        let Some((note, spread)) = channel.spread() else { continue };
+        repeated = repeated.map(|(rows, first)| (rows - spread, first)).filter(|(rows, _)| *rows > 0);
+        if !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
     if let Some(empty) = known.iter().find(|channel| channel.time_s.len() < 2) {
         let (rows, skipped) = (empty.time_s.len(), repeated.map_or(0, |(rows, _)| rows));
         return Err(RecordingError::TooFewRows { place: Place::file(name), rows, skipped });

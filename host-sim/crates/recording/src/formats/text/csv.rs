@@ -3,7 +3,7 @@
 //! One header row of `name [unit]`, time in the first column, then one row per line. Besides this plain form, the reader
 //! accepts `;` and tab as separators (detected in the header row) with decimal commas, a byte order
 //! mark, Windows-1252 in place of UTF-8, CRLF, comment lines that begin with `#`, and quoted cells. Times may be uneven and have gaps. A
-//! row that repeats the time before it, or has an empty cell in a known column, is left out and
+//! row that repeats the time before it (see [`coarse_stamps`](crate::formats::coarse_stamps) for times that most rows share), or has an empty cell in a known column, is left out and
 //! counted in the recording's notes, and written back where the recording is; no value is made up. Any other fault is an error.
 //!
 //! Memory: one line and the values of the known columns, however large the file is.
@@ -12,6 +12,7 @@ use super::lines::{Cells, Input, Lines, Splitter, TextLine, most_rows, parse_num
 use super::twincat;
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
+use crate::formats::coarse_stamps::CoarseStamps;
 use crate::header::{Offer, assign};
 use crate::recording::{At, Column, LeftOut, Note, Recording, gaps};
 use crate::signal::Signal;
@@ -54,6 +55,7 @@ impl<'a> Opened<'a> {
             repeated: None,
             incomplete: None,
             left_out: LeftOut::default(),
+            stamps: Stamps::Undecided,
         };
         let (ignored, notes) = (assignment.ignored, assignment.notes);
         Ok(Opened::Rows(Box::new(Reader {
@@ -98,13 +100,20 @@ pub(crate) struct Reader<'a> {
 impl Reader<'_> {
     /// Reads on until so many rows are held and at least two of them can be used, or to the end.
     pub(crate) fn read_on(&mut self, rows: usize) -> Result<(), RecordingError> {
-        while self.table.held() < rows || self.table.kept() < 2 {
+        while self.table.held() < rows.max(ROWS_TO_DECIDE) || self.table.kept() < 2 {
             let Some(line) = self.lines.next()? else {
                 self.is_at_end = true;
                 break;
             };
             let cells = self.splitter.split(line)?;
             self.table.push(line, cells)?;
+            if self.table.held() == ROWS_TO_DECIDE {
+                self.notes.extend(self.table.decide());
+            }
+        }
+        if self.is_at_end {
+            self.notes.extend(self.table.decide());
+            self.table.finish();
         }
         Ok(())
     }
@@ -185,12 +194,52 @@ struct TextRows {
     /// How many rows have an empty cell, and the line of the first.
     incomplete: Option<(usize, usize)>,
     left_out: LeftOut,
+    stamps: Stamps,
 }
+
+/// How rows that share a time stamp are treated.
+#[derive(Debug)]
+enum Stamps {
+    /// Too few rows were read to say.
+    Undecided,
+    /// They repeat a time and are left out.
+    Repeat,
+    /// They are spread.
+    Coarse(CoarseStamps),
+}
+
+/// Rows after which it is decided how rows that share a time stamp are treated.
+const ROWS_TO_DECIDE: usize = 1000;
 
 impl TextRows {
     /// The number of rows held.
     fn held(&self) -> usize {
-        self.kept() + self.left_out.after.len()
+        let waiting = if let Stamps::Coarse(coarse) = &self.stamps { coarse.waiting() } else { 0 };
+        self.kept() + self.left_out.after.len() + waiting
+    }
+
+    /// Decides how rows that share a time stamp are treated, if that is still open; with a note where they are spread.
+    fn decide(&mut self) -> Option<Note> {
+        if !matches!(self.stamps, Stamps::Undecided) {
+            return None;
+        }
+        let mut columns: Vec<&mut Vec<f64>> = self.columns.iter_mut().map(|(_, column)| &mut column.values).collect();
+        let found = CoarseStamps::found(&mut columns, &mut self.left_out);
+        let note = found.as_ref().map(CoarseStamps::note);
+        if found.is_some() {
+            self.repeated = None;
+        }
+        self.stamps = found.map_or(Stamps::Repeat, Stamps::Coarse);
+        note
+    }
+
+    /// The last row has been read.
+    fn finish(&mut self) {
+        if let Stamps::Coarse(coarse) = &mut self.stamps {
+            let mut columns: Vec<&mut Vec<f64>> =
+                self.columns.iter_mut().map(|(_, column)| &mut column.values).collect();
+            coarse.finish(&mut columns);
+        }
     }
 
     /// The number of rows held, without those left out.
@@ -230,6 +279,15 @@ impl TextRows {
             self.row.push(number(line, cells.get(*index), column, self.separator, *index)?);
         }
         let found_s = self.row[0];
+        if let Stamps::Coarse(coarse) = &mut self.stamps {
+            if let Some(previous_s) = coarse.last_s().filter(|previous_s| found_s < *previous_s) {
+                return Err(RecordingError::TimeBackwards { place: line.cell(self.separator, 0), previous_s, found_s });
+            }
+            let mut columns: Vec<&mut Vec<f64>> =
+                self.columns.iter_mut().map(|(_, column)| &mut column.values).collect();
+            coarse.push(self.row.clone(), &mut columns);
+            return Ok(());
+        }
         if let Some(&previous_s) = self.columns[0].1.values.last() {
             if found_s < previous_s {
                 return Err(RecordingError::TimeBackwards { place: line.cell(self.separator, 0), previous_s, found_s });
@@ -247,7 +305,8 @@ impl TextRows {
     }
 
     fn leave_out(&mut self, cells: Cells<'_>) {
-        self.left_out.after.push(self.kept());
+        let waiting = if let Stamps::Coarse(coarse) = &self.stamps { coarse.waiting() } else { 0 };
+        self.left_out.after.push(self.kept() + waiting);
         for (index, column) in &self.columns {
             let value = parse_number(cells.get(*index), self.separator != b',').map(|value| column.unit.to_si(value));
             self.left_out.cells.push(value.filter(|value| value.is_finite()));
