@@ -228,7 +228,7 @@ impl Instance {
 
 /// The drive at rest after the command was held for a long time.
 fn started(contents: &Contents, inputs: &Inputs, position_m: f64) -> Result<Live, MachineError> {
-    let start = Start { command_v: inputs.command_v, pressures_pa: None, position_m };
+    let start = Start::at_rest(inputs.command_v, None, position_m);
     Live::new(&contents.machine, contents.settings.tick, &start, contents.settings.arithmetic)
 }
 

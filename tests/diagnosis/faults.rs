@@ -14,8 +14,9 @@ use super::bed::{Case, accepted, pump_case, valve_case};
 fn failures(recording: &Recording) -> Vec<String> {
     let of = |signal: Signal| {
         let found = recording.signal(signal).map(|values| Failures::of(signal, recording.time_s(), values));
-        let stretches = found.map(|found| found.stretches).unwrap_or_default();
-        stretches.into_iter().map(move |stretch| format!("{signal} {stretch:?}"))
+        let found = found.unwrap_or_default();
+        let ends = found.ends.into_iter().map(move |end| format!("{signal} at {}", end.reading));
+        found.stretches.into_iter().map(move |stretch| format!("{signal} {stretch:?}")).chain(ends)
     };
     MEASURED.into_iter().flat_map(of).map(|said| format!("{}: {said}", recording.path())).collect()
 }
@@ -92,4 +93,28 @@ fn a_leak_is_named_although_the_position_hangs_for_half_a_second() {
     fail(&mut case.training[0], Signal::Position, stuck.clone(), None);
     assert_eq!(stretches(&case, Signal::Position).len(), 1);
     assert_eq!(accepted(&case.diagnose()), "internal-leakage");
+}
+
+#[test]
+fn pressures_at_the_end_of_their_sensors_range_are_not_judged_and_nothing_is_missing() {
+    let mut case = valve_case(3, None, true, None);
+    let high = |recording: &Recording| {
+        let mut read = recording.signal(Signal::PressureB).unwrap().to_vec();
+        read.sort_by(f64::total_cmp);
+        read[read.len() * 3 / 5]
+    };
+    let end_pa = high(&case.training[0]);
+    for recording in case.training.iter_mut().chain(&mut case.held_out) {
+        for signal in [Signal::PressureA, Signal::PressureB] {
+            let read: Vec<f64> = recording.signal(signal).unwrap().iter().map(|pa| pa.min(end_pa)).collect();
+            recording.replace(signal, &read);
+        }
+    }
+    for prepared in case.prepared(&case.training) {
+        let of_b = prepared.channels.iter().find(|channel| channel.signal == Signal::PressureB).unwrap();
+        let recorded = of_b.recorded.iter().filter(|read| **read >= end_pa).count();
+        let shown = of_b.ends.iter().map(simulation::sensor_fault::RangeEnd::count).sum::<usize>();
+        assert!(recorded < 40 || shown >= recorded, "{}: {shown} of {recorded}", prepared.name);
+    }
+    assert_eq!(case.diagnose().verdict, Verdict::NothingMissing);
 }

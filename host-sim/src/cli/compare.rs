@@ -17,6 +17,7 @@ use recording::display_unit::{TABLE, arrange, difference, percent};
 use recording::files::source_error::printable;
 use recording::{Recording, Signal};
 use report::plot;
+use report::wording::{range_end, unsettled};
 use simulation::Arithmetic;
 
 use super::Outcome;
@@ -77,6 +78,11 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     {
         console.print(format_args!("note: {note}"))?;
     }
+    for found in comparisons.iter().filter(|_| !quiet) {
+        for note in not_judged(found) {
+            console.print(format_args!("note: {}: {note}", found.recording))?;
+        }
+    }
     console.print_styled(table(&comparisons, console.terminal, console.width))?;
     for line in sentences(&comparisons, job.file.load_source) {
         console.print(line)?;
@@ -108,6 +114,16 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     check_targets(&plots.iter().map(|path| ("--plot", Some(path.as_path()), DRAWING)).collect::<Vec<_>>(), &read)?;
     arguments.plot.as_deref().map_or(Ok(()), |path| check_ending("--plot", path, DRAWING))?;
     Ok(Job { file, recordings, tick: arguments.machine.tick(), arithmetic: arguments.machine.arithmetic.into(), plots })
+}
+
+/// Which rows of a recording are not judged, and why.
+fn not_judged(found: &Comparison) -> Vec<String> {
+    let start = (found.unsettled_s > 0.0).then(|| unsettled(found.unsettled_s));
+    let ends = found.ends.iter().map(|(signal, end)| {
+        let share = end.count() as f64 / end.rows.len() as f64;
+        format!("{}; these are not judged", range_end(*signal, end.reading, share))
+    });
+    start.into_iter().chain(ends).collect()
 }
 
 /// `out.svg` for one recording; `out-train-1.svg` … for several, numbered when their names repeat.

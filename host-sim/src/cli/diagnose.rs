@@ -3,10 +3,10 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use diagnosis::{Diagnosis, Verdict, diagnose, steps};
+use diagnosis::{Diagnosis, Verdict, diagnose, read_absolute, steps};
 use identification::compare::judged;
 use machine_file::MachineFile;
-use recording::{ChannelMap, Column, Format, Recording, Signal};
+use recording::{ChannelMap, Column, Format, PressureZero, Recording, Signal};
 use report::evidence::Exhibits;
 use report::{html, json, terminal};
 
@@ -79,7 +79,16 @@ struct Job {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let job = job(arguments, console)?;
+    let mut job = job(arguments, console)?;
+    let failed = |machine: &Path, cause| CliError::Diagnose { machine: machine.to_owned(), cause };
+    let tick = arguments.tick.map(Into::into);
+    let bar = console.working("looking at the pressures' zero");
+    let absolute = read_absolute(&job.file, &job.training, tick);
+    bar.finish_and_clear();
+    let absolute = absolute.map_err(|cause| failed(&job.machine, cause))?;
+    if absolute {
+        job.training.iter_mut().chain(&mut job.held_out).for_each(Recording::take_as_absolute);
+    }
     for note in
         job.training.iter().chain(&job.held_out).flat_map(|recording| input::notes(recording, &job.file.machine))
     {
@@ -98,22 +107,20 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let doubts = doubts?;
     let steps = usize::try_from(steps(&job.file)).unwrap_or(usize::MAX);
     let bar = console.progress(steps, "diagnosing");
-    let tick = arguments.tick.map(Into::into);
     let diagnosis = diagnose(&job.file, &job.training, &job.held_out, tick, &|_| bar.inc(1));
     bar.finish_and_clear();
-    let failed = |cause| CliError::Diagnose { machine: job.machine.clone(), cause };
-    let diagnosis = Diagnosis { doubts, ..diagnosis.map_err(failed)? };
+    let diagnosis = Diagnosis { doubts, ..diagnosis.map_err(|cause| failed(&job.machine, cause))? };
     console.detail(terminal::sentence(&diagnosis));
     let bar = console.working("drawing up the evidence");
     let exhibits = Exhibits::of(&job.file, &job.training, &job.held_out, &diagnosis, job.report.is_some());
     bar.finish_and_clear();
-    let exhibits = exhibits.map_err(|cause| failed(cause.into()))?;
+    let exhibits = exhibits.map_err(|cause| failed(&job.machine, cause.into()))?;
 
     if let Some(path) = &arguments.json {
         write(path, format!("{:#}\n", json::document(&diagnosis, &exhibits)))?;
     }
     if let Some(path) = &arguments.save_machine {
-        saved(&job.file, &diagnosis).save(path)?;
+        saved(&job.file, &diagnosis, absolute).save(path)?;
     }
     if let Some(path) = &job.report {
         write(path, html::page(&diagnosis, &exhibits))?;
@@ -225,8 +232,11 @@ fn listed(folder: &Path, prefix: &str) -> Result<Vec<PathBuf>, CliError> {
 }
 
 /// The machine file after the diagnosis.
-fn saved(file: &MachineFile, diagnosis: &Diagnosis) -> MachineFile {
+fn saved(file: &MachineFile, diagnosis: &Diagnosis, absolute: bool) -> MachineFile {
     let mut after = file.clone();
+    if absolute {
+        after.channels.pressure = PressureZero::Absolute;
+    }
     after.machine = diagnosis.machine_after;
     after.start_at(diagnosis.level_at_rest);
     let effects = diagnosis.findings.iter().flat_map(|finding| &finding.parameters);

@@ -42,6 +42,11 @@ impl<N: Number> ValveEffectState<N> {
     pub(crate) fn at_rest(target: N) -> Self {
         Self { plays: [target; 3], drifted: N::ZERO, drifted_rest: N::ZERO, free: target }
     }
+
+    /// The spool moves freely through this position.
+    pub(crate) fn release(&mut self, spool: N) {
+        self.free = spool;
+    }
 }
 
 impl<N: Number> LinkEffects for ValveEffects<N> {}

@@ -206,6 +206,14 @@ impl<N: Number, const DELAY: usize> ValveState<N, DELAY> {
         Self { set, line: [set; DELAY], head: 0, lag: set, spool: set, effects }
     }
 
+    /// The spool on its way: it is at `spool`, the first lag's output is at `lag`, and the set value has been `set` for longer than the delay.
+    #[must_use]
+    pub fn on_its_way(spool: N, lag: N, set: N) -> Self {
+        let mut effects = ValveEffectState::at_rest(set);
+        effects.release(spool);
+        Self { set, line: [set; DELAY], head: 0, lag, spool, effects }
+    }
+
     /// Spool position; 1 is full travel, positive extends the rod.
     #[must_use]
     pub fn spool(&self) -> N {

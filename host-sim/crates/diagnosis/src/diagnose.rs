@@ -281,7 +281,7 @@ fn predicted_gains(leads: &[Lead]) -> Vec<(Subsystem, f64)> {
 }
 
 /// Lowest and highest position judged, m; the whole stroke where none is.
-fn travelled(machine: &Machine<f64>, cases: &[Prepared]) -> (f64, f64) {
+pub(crate) fn travelled(machine: &Machine<f64>, cases: &[Prepared]) -> (f64, f64) {
     let channels = cases.iter().flat_map(|case| &case.channels);
     let positions = channels.filter(|channel| channel.signal == Signal::Position).flat_map(JudgedSignal::kept);
     let (low, high) = extent(positions);

@@ -17,6 +17,7 @@ mod diagnose;
 mod finding;
 pub mod localisation;
 mod outcome;
+mod pressure_zero;
 pub mod selection;
 #[cfg(test)]
 mod test_scene;
@@ -24,3 +25,4 @@ mod test_scene;
 pub use diagnose::{DiagnoseError, Progress, base_parameters, diagnose, steps};
 pub use finding::Finding;
 pub use outcome::{Diagnosis, Fits, Shown, Verdict};
+pub use pressure_zero::read_absolute;

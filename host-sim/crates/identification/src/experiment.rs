@@ -3,9 +3,9 @@
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Source, Tick};
 use recording::{Recording, Signal};
-use simulation::sensor_fault::{Failures, Mended, Stretch, bridged};
-use simulation::signal::noise::{noise, resolution};
-use simulation::{InputPoint, SimulateError, Stimulus, first_input_point, natural_tick};
+use simulation::sensor_fault::{Failures, Mended, RangeEnd, Stretch, bridged};
+use simulation::signal::noise::{extent, noise, resolution};
+use simulation::{InputPoint, SimulateError, Start, Stimulus, first_input_point, natural_tick};
 
 use crate::compare::judged;
 use crate::error::CompareError;
@@ -20,10 +20,12 @@ pub struct JudgedSignal {
     pub recorded: Vec<f64>,
     /// Ratio of the refitted model's residual to the noise, at least 1: residuals far beyond that do not steer a fit.
     pub tolerance: f64,
-    /// Rows where the sensor failed. They are not judged.
+    /// Rows where the sensor failed, or before the drive's state is known. They are not judged.
     pub failed: Vec<bool>,
     /// Where it failed for longer than a moment.
     pub stretches: Vec<Stretch>,
+    /// The ends of its range that it reached.
+    pub ends: Vec<RangeEnd>,
     /// Standard deviation of the sensor's noise and quantisation, including the input noise, SI.
     pub noise: f64,
     /// The part of this noise that the noise of the recorded signal driving the model causes, SI.
@@ -42,9 +44,10 @@ impl JudgedSignal {
         Self {
             signal,
             failed: failures.rows(),
+            noise: failures.noise(recorded),
             stretches: failures.stretches,
+            ends: failures.ends,
             tolerance: 1.0,
-            noise: noise(recorded, resolution(recorded)),
             input_noise: 0.0,
             recorded: recorded.to_vec(),
         }
@@ -117,7 +120,9 @@ pub struct Prepared {
     pub channels: Vec<JudgedSignal>,
     /// Measured signals whose sensors failed, judged or not.
     pub failures: Vec<(Signal, Failures)>,
-    /// Standard deviation of the initial position, m: what its sensor leaves open.
+    /// Rows at the beginning that are not judged, as the recording does not begin at rest and not all of its state is measured.
+    pub unsettled: usize,
+    /// Standard deviation of the initial position, m: what its sensor leaves open, and where the start is not known, the travel meanwhile.
     pub start_sigma_m: f64,
     /// Standard deviation of the noise of the recorded spool, flow or force that drives the model, SI; 0 where a command or a
     /// pump's speed drives it, as these are set.
@@ -161,7 +166,8 @@ impl Prepared {
         if signals.is_empty() {
             return Err(CompareError::NothingMeasured { recording: recording.name().to_owned() });
         }
-        let channels = signals
+        let unsettled = unsettled_rows(recording.time_s(), &stimulus.start);
+        let mut channels = signals
             .into_iter()
             .map(|signal| {
                 recording.check_varies(signal)?;
@@ -172,13 +178,17 @@ impl Prepared {
                     None => JudgedSignal::of(signal, recording.time_s(), values),
                 })
             })
-            .collect::<Result<_, CompareError>>()?;
+            .collect::<Result<Vec<_>, CompareError>>()?;
+        for channel in &mut channels {
+            channel.failed[..unsettled].fill(true);
+        }
         let measured = if input_point.is_set() { None } else { mended.recording.signal(input_point.driving()) };
         let input_noise = measured.map_or(0.0, |values| noise(values, resolution(values)));
         mended.failures.retain(|(_, failures)| failures.are_any());
         let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {
             let step = resolution(position);
-            (step * step / 12.0 + noise(position, step).powi(2) / ROWS_AT_REST).sqrt()
+            let (low, high) = extent(&position[..unsettled.max(1)]);
+            (step * step / 12.0 + noise(position, step).powi(2) / ROWS_AT_REST + (high - low).powi(2)).sqrt()
         });
         Ok(Self {
             name: recording.name().to_owned(),
@@ -186,6 +196,7 @@ impl Prepared {
             stimulus,
             channels,
             failures: mended.failures,
+            unsettled,
             start_sigma_m,
             input_noise,
         })
@@ -218,6 +229,12 @@ impl Prepared {
         let channels = self.channels.iter().filter(|channel| wanted(channel.signal)).cloned().collect();
         Self { channels, ..self.clone() }
     }
+}
+
+/// Rows at the beginning of a recording before a state that is not measured has settled.
+#[must_use]
+pub fn unsettled_rows(time_s: &[f64], start: &Start) -> usize {
+    if start.unknown_for_s > 0.0 { time_s.partition_point(|time| time - time_s[0] < start.unknown_for_s) } else { 0 }
 }
 
 /// Fewest rows that the initial state is averaged over.

@@ -157,6 +157,7 @@ fn recording(found: &Inspection) -> Value {
             "signal": channel.signal.name(), "header": channel.header, "unit": Unit::si(channel.unit.dimension()).symbol(),
             "low": channel.low, "high": channel.high, "noise": channel.noise, "step": channel.step,
             "failed_rows": channel.failed,
+            "range_ends": channel.ends.iter().map(|(reading, share)| json!({ "reading": reading, "share": share })).collect::<Vec<_>>(),
         })
     };
     let link = |test: &LinkTest| {

@@ -24,6 +24,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     for far in wording::far_values(&diagnosis.far_values()) {
         let _ = writeln!(text, "far value  {far}");
     }
+    if exhibits.preprocessing.iter().any(|of| of.taken_as_absolute) {
+        let _ = writeln!(text, "{}", wording::taken_as_absolute());
+    }
     if let Some(location) = &diagnosis.located {
         let (link, signal, region) = (location.subsystem, location.signal, wording::region(location.region));
         let _ = writeln!(text, "\nlocated    {link} · {signal} · {region}");
@@ -261,7 +264,7 @@ fn prepared(exhibits: &Exhibits) -> String {
         for (failure, fate) in of.failures() {
             let _ = write!(text, "\n           {}: {failure}; {fate}", of.recording);
         }
-        for said in of.of_clock() {
+        for said in of.of_start_and_clock() {
             let _ = write!(text, "\n           {}: {said}", of.recording);
         }
     }

@@ -13,8 +13,8 @@ use identification::compare::open_loop::{Mover, SENSOR_OFFSET};
 use identification::compare::weakest::{Obstacle, Unjudged};
 use identification::fit::Correlation;
 use model_core::machine::Parameter;
-use recording::display_unit::{difference, significant, state_unit};
-use recording::{Signal, Unit};
+use recording::display_unit::{difference, significant, state_unit, unit_for_people};
+use recording::{Note, Signal, Unit};
 use simulation::signal::noise::extent;
 
 /// The operating region that shows best where an error arises.
@@ -220,6 +220,12 @@ pub fn recording_advice(advice: &Advice) -> String {
                     format!("{signal} moves, but the machine file's model hardly does with this input"),
             }
         ),
+        Advice::RangeEnd { signal, reading, share } => {
+            format!(
+                "{}: what is beyond it is not recorded, and these rows are not judged",
+                range_end(*signal, *reading, *share)
+            )
+        }
         Advice::NeverOpens { by } => {
             format!(
                 "with this {by} the valve never leaves the dead zone, so nothing below it moves: use larger commands"
@@ -240,6 +246,32 @@ pub fn recording_advice(advice: &Advice) -> String {
             "the rod never holds for {least_s} s; a pause with the valve closed shows leakage, drift and friction at rest"
         ),
     }
+}
+
+/// What is taken of pressures that fit the drive only without the pressure of the air in them.
+#[must_use]
+pub fn taken_as_absolute() -> String {
+    format!(
+        "pressures  {}; if they are, say so in the machine file: [channels] pressure = \"absolute\"",
+        Note::TakenAsAbsolute
+    )
+}
+
+/// A sensor at an end of its range, without how these rows are treated.
+#[must_use]
+pub fn range_end(signal: Signal, reading: f64, share: f64) -> String {
+    let unit = unit_for_people(signal);
+    let (reading, percent) = (significant(unit.from_si(reading), 4), significant(100.0 * share, 2));
+    format!("{signal} reads {reading} {unit}, the end of its sensor's range, in {percent} % of the rows")
+}
+
+/// What follows from a recording that does not begin at rest, where a part of its state is not measured.
+#[must_use]
+pub fn unsettled(for_s: f64) -> String {
+    format!(
+        "does not begin at rest, and what moved the drive before is not recorded: the first {} s are not judged",
+        significant(for_s, 2)
+    )
 }
 
 /// Why a unit can hardly be right for this drive, and what would do.

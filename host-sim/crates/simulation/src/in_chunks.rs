@@ -224,6 +224,7 @@ mod tests {
     fn rows_that_are_left_out_take_no_more_memory_than_others() {
         let mut text = String::from("time [ms],command [V]\n");
         for row in 0..100_000 {
+            // Rows that are written again and again.
             writeln!(text, "{},1", row / 50).unwrap();
         }
         let mut parts = parts(&text, 3_000);

@@ -8,9 +8,10 @@ use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError};
 use model_core::number::{Field, Number};
 use model_core::ports::{ChamberState, Spool};
+use model_core::valve::ValveState;
 use recording::Signal;
 
-use crate::initial_state::{DELAY_LINE, InitialState, StartOffset};
+use crate::initial_state::{DELAY_LINE, InitialState, StartOffset, ValveOnItsWay};
 use crate::number::simd::{LANES, Lanes};
 use crate::outflow::Edges;
 use crate::run::{Rows, reading, run, through_valve, unbraked};
@@ -89,7 +90,16 @@ impl<'a> InLanes<'a> {
             from_fn(|lane| InitialState::of(&machine, drive.bases(), &stimuli[lane].start, of(lane).offset.lifted()));
         let packed = |value: fn(&InitialState<f64>) -> f64| Lanes::new(initial_states.each_ref().map(value));
         let pressures = ChamberState { a: packed(|of| within(of.pressures.a)), b: packed(|of| within(of.pressures.b)) };
-        let state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
+        let mut state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
+        state.motion.velocity = packed(|of| f64::saturated(of.velocity));
+        if initial_states.iter().any(|of| of.valve.is_some()) {
+            let settled = state.valve.spool().values();
+            let valve = |lane: usize, value: fn(&ValveOnItsWay<f64>) -> f64| {
+                initial_states[lane].valve.as_ref().map_or(settled[lane], |valve| within(value(valve)))
+            };
+            let packed = |value| Lanes::new(from_fn(|lane| valve(lane, value)));
+            state.valve = ValveState::on_its_way(packed(|of| of.spool), packed(|of| of.lag), packed(|of| of.set));
+        }
         let edges = Edges::of(&machine, drive.bases());
         Ok(Self { machine, stimuli, drive, edges, state })
     }

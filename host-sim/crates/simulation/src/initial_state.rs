@@ -4,9 +4,11 @@ use model_core::drive::{Drive, DriveState};
 use model_core::machine::{Bases, Machine, Parameter};
 use model_core::number::{Real, Scalar};
 use model_core::ports::ChamberState;
+use model_core::valve::ValveState;
 
 use crate::recorded_start::Start;
-use crate::sensor_bias::{PRESSURE_A, PRESSURE_B, behind, within};
+use crate::sensor_bias::{PRESSURE_A, PRESSURE_B, SPOOL, behind, within};
+use crate::start_in_motion::SpoolAtStart;
 
 /// Ticks in the delay line on the desktop: more than a quarter of a second at any tick.
 pub const DELAY_LINE: usize = 512;
@@ -40,13 +42,13 @@ pub(crate) struct Offset<R> {
     pub(crate) shift_m: R,
 }
 
-/// Initial pressures where the recording has none: from the level in B and the balance of forces.
-fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R) -> (R, R) {
+/// Initial pressures where the recording has none: from the level in B and the balance of forces, viscous friction included.
+fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R, velocity: R) -> (R, R) {
     let get = |parameter| machine.get(parameter);
     let beyond = position_m - get(Parameter::Stroke) * R::constant(0.5);
     let spring = get(Parameter::LoadSpringForce)
         + beyond * (get(Parameter::LoadSpring) + beyond * get(Parameter::LoadSpringBow));
-    let force = get(Parameter::LoadForce) - spring;
+    let force = get(Parameter::LoadForce) - spring - get(Parameter::ViscousFriction) * velocity;
     let supply = get(Parameter::SupplyPressure);
     let a = (level * supply * get(Parameter::AreaB) - force) / get(Parameter::AreaA);
     let (low, high) = (supply * R::constant(0.02), supply * R::constant(0.98));
@@ -77,21 +79,53 @@ pub(crate) struct InitialState<R> {
     pub(crate) command: f64,
     pub(crate) pressures: ChamberState<R>,
     pub(crate) strokes: R,
+    /// 0 at rest.
+    pub(crate) velocity: f64,
+    /// The valve, where it has not settled at the command.
+    pub(crate) valve: Option<ValveOnItsWay<R>>,
+}
+
+/// A valve whose spool is not where the command would hold it after a long time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ValveOnItsWay<R> {
+    pub(crate) spool: R,
+    /// Output of the first lag, which the spool follows with the second.
+    pub(crate) lag: R,
+    /// Set value for longer than the delay.
+    pub(crate) set: R,
 }
 
 impl<R: Real> InitialState<R> {
     pub(crate) fn of(machine: &Machine<R>, bases: &Bases, start: &Start, offset: Offset<R>) -> Self {
         let constant = R::constant;
         let position_m = constant(start.position_m) + offset.shift_m;
-        let (a, b) = match start.pressures_pa {
-            Some((a, b)) => (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b))),
-            None => balanced(machine, offset.level.unwrap_or(machine.get(Parameter::LevelAtRest)), position_m),
+        let (a, b) = if let Some((a, b)) = start.pressures_pa {
+            (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b)))
+        } else {
+            let level = offset.level.unwrap_or(machine.get(Parameter::LevelAtRest));
+            balanced(machine, level, position_m, constant(start.velocity_m_per_s))
         };
         let per_unit = |pressure: R| pressure / constant(bases.pressure_pa);
         Self {
             command: start.command_v / bases.command_v,
             pressures: ChamberState { a: per_unit(a), b: per_unit(b) },
             strokes: position_m / machine.get(Parameter::Stroke),
+            velocity: start.velocity_m_per_s / bases.velocity_m_per_s,
+            valve: start.spool.map(|spool| ValveOnItsWay::of(machine, spool, start.command_v)),
+        }
+    }
+}
+
+impl<R: Real> ValveOnItsWay<R> {
+    /// T2·ẋ = l − x gives the first lag's output l from the slope of the spool x.
+    fn of(machine: &Machine<R>, SpoolAtStart { reading, slope_per_s, rests }: SpoolAtStart, command_v: f64) -> Self {
+        let spool = behind(machine, SPOOL, R::constant(reading));
+        let get = |parameter| machine.get(parameter);
+        let target = get(Parameter::ValveGain) * R::constant(command_v) + get(Parameter::ValveOffset);
+        Self {
+            spool,
+            lag: spool + get(Parameter::TimeConstant2) * R::constant(slope_per_s),
+            set: if rests { spool } else { target },
         }
     }
 }
@@ -103,7 +137,13 @@ pub(crate) fn at_start<N: Scalar>(
     start: &Start,
     offset: Offset<N::Real>,
 ) -> DriveState<N, DELAY_LINE> {
-    let InitialState { command, pressures, strokes } = InitialState::of(machine, drive.bases(), start, offset);
+    let InitialState { command, pressures, strokes, velocity, valve } =
+        InitialState::of(machine, drive.bases(), start, offset);
     let pressures = ChamberState { a: within(pressures.a), b: within(pressures.b) };
-    drive.at_rest(N::saturated(command), pressures, N::travel(strokes))
+    let mut state = drive.at_rest(N::saturated(command), pressures, N::travel(strokes));
+    state.motion.velocity = N::saturated(velocity);
+    if let Some(ValveOnItsWay { spool, lag, set }) = valve {
+        state.valve = ValveState::on_its_way(within(spool), within(lag), within(set));
+    }
+    state
 }

@@ -23,6 +23,7 @@ mod run;
 mod sensor_bias;
 pub mod sensor_fault;
 pub mod signal;
+mod start_in_motion;
 mod stepper;
 mod stimulus;
 
@@ -34,6 +35,7 @@ pub use in_lanes::{Run, run_in_lanes};
 pub use initial_state::{DELAY_LINE, StartOffset};
 pub use recorded_start::Start;
 pub use run::{SignalsOfRow, Trajectory, computed_below, rows_f64, simulate_f64, simulate_fixed};
+pub use start_in_motion::SpoolAtStart;
 pub use stepper::{Inputs, Kept, Live, OtherArithmetic};
 pub use stimulus::coarse::Coarser;
 pub use stimulus::{InputPoint, Stimulus, first_input_point, natural_tick};

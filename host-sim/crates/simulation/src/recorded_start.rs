@@ -1,7 +1,11 @@
 //! The initial state of a recording.
 
 use model_core::machine::{Machine, Parameter};
-use recording::{Recording, Signal};
+use recording::Signal;
+
+use crate::sensor_fault::Mended;
+use crate::start_in_motion::{Motion, SpoolAtStart};
+use crate::stimulus::InputPoint;
 
 /// Initial state of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +16,20 @@ pub struct Start {
     pub pressures_pa: Option<(f64, f64)>,
     /// Position, m.
     pub position_m: f64,
+    /// Velocity, m/s; 0 where the recording does not show that the rod moves.
+    pub velocity_m_per_s: f64,
+    /// The spool, where it is measured and is not where the command would hold it after a long time.
+    pub spool: Option<SpoolAtStart>,
+    /// Time after which a state that no sensor shows has settled, s; 0 where nothing is unknown.
+    pub unknown_for_s: f64,
+}
+
+impl Start {
+    /// A drive at rest, its valve settled at the command.
+    #[must_use]
+    pub const fn at_rest(command_v: f64, pressures_pa: Option<(f64, f64)>, position_m: f64) -> Self {
+        Self { command_v, pressures_pa, position_m, velocity_m_per_s: 0.0, spool: None, unknown_for_s: 0.0 }
+    }
 }
 
 /// Shortest time over which the initial state is averaged, s: less than a valve needs to move a rod.
@@ -21,21 +39,31 @@ const REST_MOST_S: f64 = 0.1;
 
 /// The initial state of a recording: means over the rest at its start, so that the noise of one row does not shift all
 /// others. Rows with a failed sensor are bridged in it. Where no position is recorded, the rod stands at mid-stroke.
-pub(crate) fn start(recording: &Recording, machine: &Machine<f64>) -> Start {
+///
+/// A recording that does not begin at rest starts with the spool and the velocity that it shows, and its other values come from its first rows.
+/// A pressure at an end of its sensor's range is not known, so that none of the two is taken.
+pub(crate) fn start(mended: &Mended<'_>, machine: &Machine<f64>, input_point: InputPoint) -> Start {
+    let recording = &*mended.recording;
     let time_s = recording.time_s();
     let command = recording.signal(Signal::Command);
     let held = |row: usize| command.is_some_and(|command| command[row].to_bits() == command[0].to_bits());
+    let motion = Motion::of(recording, machine, input_point);
     let rest = (0..time_s.len())
         .take_while(|&row| {
             let since = time_s[row] - time_s[0];
             since < REST_LEAST_S || (since < REST_MOST_S && held(row))
         })
         .count();
+    let rest = if motion.is_changing { motion.first_rows } else { rest };
     let began = |signal| recording.signal(signal).map(|values: &[f64]| at_start(&time_s[..rest], &values[..rest]));
+    let known = |signal| began(signal).filter(|_| !mended.is_at_end(signal, rest));
+    let pressures_pa = known(Signal::PressureA).zip(known(Signal::PressureB));
+    let position_m = began(Signal::Position).unwrap_or(0.5 * machine.get(Parameter::Stroke));
     Start {
-        command_v: command.map_or(0.0, |command| command[0]),
-        pressures_pa: began(Signal::PressureA).zip(began(Signal::PressureB)),
-        position_m: began(Signal::Position).unwrap_or(0.5 * machine.get(Parameter::Stroke)),
+        velocity_m_per_s: motion.velocity_m_per_s,
+        spool: motion.spool,
+        unknown_for_s: motion.unknown_for_s,
+        ..Start::at_rest(command.map_or(0.0, |command| command[0]), pressures_pa, position_m)
     }
 }
 

@@ -7,7 +7,7 @@ use model_core::number::{Real, Scalar};
 type SensorError = (Parameter, Parameter);
 pub(crate) const PRESSURE_A: SensorError = (Parameter::PressureAFactor, Parameter::PressureAOffset);
 pub(crate) const PRESSURE_B: SensorError = (Parameter::PressureBFactor, Parameter::PressureBOffset);
-const SPOOL: SensorError = (Parameter::SpoolFactor, Parameter::SpoolOffset);
+pub(crate) const SPOOL: SensorError = (Parameter::SpoolFactor, Parameter::SpoolOffset);
 
 /// The true value behind a sensor's reading: (reading − offset)/(1 + factor).
 pub(crate) fn behind<R: Real>(machine: &Machine<R>, (factor, offset): SensorError, reading: R) -> R {

@@ -181,6 +181,16 @@ pub(crate) const SHAPES_A_PLAY_BELOW: f64 = 1.0 / 3.0;
 /// normal one. Source: Wilson and Hilferty 1931.
 pub(crate) const PULLED_TOO_FAR_QUANTILE: f64 = 3.09;
 
+// Pressures that were read by absolute sensors, which is asked before the search.
+
+/// What each of both pressures, and all signals together, have to gain in log-likelihood without the pressure of the air. No parameter is fitted, so there
+/// is no penalty. Source: once in twenty.
+pub(crate) const ABSOLUTE_GAINS: f64 = ONCE_IN_TWENTY;
+
+/// Share of the misfit above noise that is gone without it. The offset is known and cannot bend to what it does not explain, as a missing load of about its
+/// force would. Source: the equation error; the air's pressure differs by a tenth at most, and leaves a hundredth of the square, and the noise some more.
+pub(crate) const ABSOLUTE_EXPLAINS: f64 = 1.0 - EQUATION_ERROR;
+
 // Stiction, by the jumps of a recorded spool.
 
 /// Two neighbouring rows that differ by more than so many times the noise are a jump, or part of one. Source: chosen; of Gaussian noise two

@@ -8,7 +8,7 @@ use identification::fit::StartState;
 use machine_file::LoadSource;
 use model_core::machine::Machine;
 use recording::Recording;
-use simulation::sensor_fault::{Failures, Stretch};
+use simulation::sensor_fault::{Failures, RangeEnd, Stretch};
 use simulation::{SimulateError, Stimulus};
 
 /// Ticks up to which recordings are searched as they are: four minutes at 1 kHz, which two cores search in about as much time.
@@ -115,6 +115,7 @@ fn begun(
         stimulus,
         channels: whole.channels.iter().map(|channel| first(channel, rows)).collect(),
         failures: whole.failures.iter().map(|(signal, failures)| (*signal, first_failures(failures, rows))).collect(),
+        unsettled: whole.unsettled.min(rows),
         start_sigma_m: whole.start_sigma_m,
         input_noise: whole.input_noise,
     })
@@ -127,6 +128,7 @@ fn first(channel: &JudgedSignal, rows: usize) -> JudgedSignal {
         tolerance: channel.tolerance,
         failed: channel.failed.iter().take(rows).copied().collect(),
         stretches: first_stretches(&channel.stretches, rows),
+        ends: first_ends(&channel.ends, rows),
         noise: channel.noise,
         input_noise: channel.input_noise,
     }
@@ -136,7 +138,13 @@ fn first_failures(failures: &Failures, rows: usize) -> Failures {
     Failures {
         spikes: failures.spikes.iter().take(rows).copied().collect(),
         stretches: first_stretches(&failures.stretches, rows),
+        ends: first_ends(&failures.ends, rows),
     }
+}
+
+fn first_ends(ends: &[RangeEnd], rows: usize) -> Vec<RangeEnd> {
+    let first = |end: &RangeEnd| RangeEnd { rows: end.rows.iter().take(rows).copied().collect(), ..*end };
+    ends.iter().map(first).collect()
 }
 
 fn first_stretches(stretches: &[Stretch], rows: usize) -> Vec<Stretch> {

@@ -19,6 +19,15 @@ pub enum Advice {
     Unit(UnitDoubt),
     /// A signal does not do what the machine file's model does with the recorded input.
     Agreement(Suspicion),
+    /// A sensor is at an end of its range.
+    RangeEnd {
+        /// The signal.
+        signal: Signal,
+        /// What it reads there, SI.
+        reading: f64,
+        /// The share of the rows.
+        share: f64,
+    },
     /// The valve stays in its dead zone.
     NeverOpens {
         /// What its opening is read from.

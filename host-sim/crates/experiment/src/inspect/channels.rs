@@ -3,7 +3,7 @@
 use recording::display_unit::unit_of;
 use recording::{Column, Signal, Unit};
 use simulation::sensor_fault::Failures;
-use simulation::signal::noise::{extent, noise, resolution};
+use simulation::signal::noise::{extent, resolution};
 
 /// What was found in one column.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,8 @@ pub struct InspectedColumn {
     pub step: Option<f64>,
     /// Rows where its sensor failed.
     pub failed: usize,
+    /// What its sensor reads at the ends of its range that it reached, SI, and in which share of the rows.
+    pub ends: Vec<(f64, f64)>,
 }
 
 impl InspectedColumn {
@@ -34,20 +36,18 @@ impl InspectedColumn {
             matches!(column.signal, Signal::Command | Signal::Reference | Signal::ValveDirection | Signal::PumpSpeed);
         let step = resolution(values);
         let measured = low < high && !is_set;
-        let failed = |row: &bool| *row;
+        let failures = if measured { Failures::of(column.signal, time_s, values) } else { Failures::default() };
+        let ends = failures.ends.iter().map(|end| (end.reading, end.count() as f64 / values.len() as f64));
         Self {
             signal: column.signal,
             header: column.header.clone(),
             unit: unit_of(column),
             low,
             high,
-            noise: measured.then(|| noise(values, step)),
+            noise: measured.then(|| failures.noise(values)),
             step: (measured && step > 0.0).then_some(step),
-            failed: if measured {
-                Failures::of(column.signal, time_s, values).rows().into_iter().filter(failed).count()
-            } else {
-                0
-            },
+            failed: failures.rows().into_iter().filter(|failed| *failed).count(),
+            ends: ends.collect(),
         }
     }
 

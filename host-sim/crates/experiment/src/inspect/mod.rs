@@ -61,6 +61,10 @@ impl Inspection {
             .collect();
         let excited = Excited::of(recording, file.map(|file| &file.machine));
         let mut advice: Vec<Advice> = excitation::constant(&channels).collect();
+        advice.extend(channels.iter().flat_map(|channel| {
+            let signal = channel.signal;
+            channel.ends.iter().map(move |&(reading, share)| Advice::RangeEnd { signal, reading, share })
+        }));
         let doubts = file.map(|file| unit_doubts(recording, &file.machine)).unwrap_or_default();
         // A doubtful unit says already why a signal moves otherwise than the model's.
         let is_explained = |suspicion: &Suspicion| {

@@ -9,15 +9,18 @@ pub mod weakest;
 use std::fmt;
 
 use machine_file::LoadSource;
-use model_core::machine::{Machine, Source, Tick};
+use model_core::machine::{Machine, Parameter, Source, Tick};
 use recording::{Recording, Signal};
-use simulation::figures_of_merit::SignalFit;
-use simulation::sensor_fault::Mended;
+use simulation::figures_of_merit::{SignalFit, residual};
+use simulation::sensor_fault::{Failures, Mended, RangeEnd};
+use simulation::signal::noise::median;
 use simulation::{
-    Arithmetic, InputPoint, StartOffset, Stimulus, Trajectory, computed_below, first_input_point, natural_tick,
+    Arithmetic, InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, computed_below, first_input_point,
+    natural_tick,
 };
 
 pub use crate::error::CompareError;
+use crate::experiment::unsettled_rows;
 use crate::input_noise::{input_noise, realisations};
 use open_loop::Sway;
 
@@ -81,6 +84,10 @@ pub struct SectionFit {
 pub struct Comparison {
     /// The recording's name.
     pub recording: String,
+    /// Time at its beginning that is not judged end to end, s, as it does not begin at rest and not all of its state is measured.
+    pub unsettled_s: f64,
+    /// Where sensors are at an end of their range; these rows are not judged.
+    pub ends: Vec<(Signal, RangeEnd)>,
     /// Sections in the chain's order; the first is end to end.
     pub sections: Vec<SectionFit>,
 }
@@ -144,16 +151,26 @@ pub fn compare_with_progress(
 ) -> Result<Comparison, CompareError> {
     let tick = tick.unwrap_or_else(|| natural_tick(recording));
     let mended = Mended::of(recording);
+    let mut unsettled_s = 0.0_f64;
+    let ends: Vec<(Signal, RangeEnd)> = mended
+        .failures
+        .iter()
+        .flat_map(|(signal, found)| found.ends.iter().map(|end| (*signal, end.clone())))
+        .collect();
     let sections = plans(machine.source, load, recording)?
         .into_iter()
         .map(|plan| {
             let simulated = |mended: &Mended<'_>| {
                 let stimulus = Stimulus::of_mended(mended, machine, plan.input_point, plan.load, tick)?;
-                arithmetic.simulate_with_progress(machine, &stimulus, StartOffset::none(), told)
+                simulated_from(&stimulus, recording, machine, |offset| {
+                    arithmetic.simulate_with_progress(machine, &stimulus, offset, told)
+                })
             };
-            let trajectory = simulated(&mended)?;
+            let (trajectory, unsettled) = simulated(&mended)?;
+            let time_s = recording.time_s();
+            unsettled_s = unsettled_s.max(time_s[unsettled] - time_s[0]);
             let input_noise = if plan.is_driven_by_sensors() {
-                input_noise(&mended, &trajectory, &plan.judged, simulated)?
+                input_noise(&mended, &trajectory, &plan.judged, |mended| Ok(simulated(mended)?.0))?
             } else {
                 vec![0.0; plan.judged.len()]
             };
@@ -162,7 +179,11 @@ pub fn compare_with_progress(
                 .iter()
                 .filter_map(|&signal| {
                     let (recorded, simulated) = (recording.signal(signal)?, trajectory.signal(signal)?);
-                    Some(SignalFit::of(signal, recording.time_s(), recorded, simulated))
+                    let is_judged: Vec<bool> = (0..recorded.len())
+                        .map(|row| row >= unsettled && !ends.iter().any(|(of, end)| *of == signal && end.rows[row]))
+                        .collect();
+                    let judged = |series: &[f64]| kept(series, &is_judged);
+                    Some(SignalFit::of(signal, &judged(time_s), &judged(recorded), &judged(simulated)))
                 })
                 .collect();
             Ok(SectionFit {
@@ -175,7 +196,36 @@ pub fn compare_with_progress(
             })
         })
         .collect::<Result<Vec<_>, CompareError>>()?;
-    Ok(Comparison { recording: recording.name().to_owned(), sections })
+    Ok(Comparison { recording: recording.name().to_owned(), unsettled_s, ends, sections })
+}
+
+/// The values of the rows that are judged.
+fn kept(series: &[f64], is_judged: &[bool]) -> Vec<f64> {
+    series.iter().zip(is_judged).filter(|(_, is_judged)| **is_judged).map(|(value, _)| *value).collect()
+}
+
+/// A simulation, and how many of its first rows are not judged. Where a state at the start is not known, the rod may be off for ever by what it
+/// travelled meanwhile: it starts from where it is right afterwards.
+fn simulated_from(
+    stimulus: &Stimulus,
+    recording: &Recording,
+    machine: &Machine<f64>,
+    simulate: impl Fn(StartOffset) -> Result<Trajectory, SimulateError>,
+) -> Result<(Trajectory, usize), SimulateError> {
+    let unsettled = unsettled_rows(recording.time_s(), &stimulus.start);
+    let trajectory = simulate(StartOffset::none())?;
+    let (Some(recorded), Some(simulated)) = (recording.signal(Signal::Position), trajectory.signal(Signal::Position))
+    else {
+        return Ok((trajectory, unsettled));
+    };
+    if unsettled == 0 {
+        return Ok((trajectory, unsettled));
+    }
+    let mut off_m: Vec<f64> = residual(&recorded[unsettled..], &simulated[unsettled..]).collect();
+    let shift_m = median(&mut off_m);
+    let within = (0.0..=machine.get(Parameter::Stroke)).contains(&(stimulus.start.position_m + shift_m));
+    let offset = StartOffset { shift_m, ..StartOffset::none() };
+    Ok((if within { simulate(offset)? } else { trajectory }, unsettled))
 }
 
 /// How many rows a comparison simulates in all; 0 where it is not possible.
@@ -207,7 +257,12 @@ fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<
         recording.check_varies(signal)?;
     }
     let has = |signal| recording.has(signal);
-    let pressures = has(Signal::PressureA) && has(Signal::PressureB);
+    // A pressure at an end of its sensor's range drives nothing.
+    let whole = |signal| {
+        let values = recording.signal(signal);
+        values.is_some_and(|values| Failures::of(signal, recording.time_s(), values).ends.is_empty())
+    };
+    let pressures = whole(Signal::PressureA) && whole(Signal::PressureB);
     let motion: Vec<Signal> = [Signal::Position, Signal::Velocity].into_iter().filter(|&signal| has(signal)).collect();
     let feed = match source {
         Source::Valve => has(Signal::Spool).then_some(InputPoint::Spool),

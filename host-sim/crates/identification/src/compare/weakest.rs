@@ -287,7 +287,12 @@ mod tests {
             sways: Vec::new(),
             trajectory: Trajectory { series: vec![(Signal::Spool, Vec::new()), (Signal::PressureA, Vec::new())] },
         };
-        Comparison { recording: "r".into(), sections: sections.iter().map(section).collect() }
+        Comparison {
+            recording: "r".into(),
+            unsettled_s: 0.0,
+            ends: Vec::new(),
+            sections: sections.iter().map(section).collect(),
+        }
     }
 
     #[test]

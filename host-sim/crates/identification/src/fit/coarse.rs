@@ -48,6 +48,7 @@ fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine:
         input_noise: channel.input_noise * weight,
         tolerance: channel.tolerance / weight,
         stretches: Vec::new(),
+        ends: Vec::new(),
         ..*channel
     };
     Prepared {
@@ -56,6 +57,7 @@ fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine:
         channels: case.channels.iter().enumerate().map(channel).collect(),
         stimulus,
         failures: Vec::new(),
+        unsettled: kept.partition_point(|&row| row < case.unsettled),
         start_sigma_m: case.start_sigma_m,
         input_noise: case.input_noise,
     }

@@ -66,7 +66,12 @@ pub fn level_at_rest(machine: &Machine<f64>, cases: &[&Prepared], starts: &[Star
 pub fn settle(machine: &Machine<f64>, case: &Prepared) -> Result<StartState, MachineError> {
     const STEP: f64 = 0.05;
     let mut state = StartState::default();
-    let rounds = if needs_level(case) { 4 } else { 1 };
+    // A shift of millimetres, where the start is not known, takes several steps against a loss that large residuals enter linearly.
+    let rounds = match (case.unsettled > 0, needs_level(case)) {
+        (true, _) => 12,
+        (false, true) => 4,
+        (false, false) => 1,
+    };
     for _ in 0..rounds {
         let beside = needs_level(case).then_some(StartState { level: state.level + STEP, ..state });
         let mut both =

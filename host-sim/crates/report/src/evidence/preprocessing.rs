@@ -7,10 +7,12 @@ use diagnosis::Shown;
 use identification::clock::{Shift, Stamps};
 use identification::experiment::Prepared;
 use recording::display_unit::{significant, unit_for_people};
-use recording::{Recording, Signal};
-use simulation::sensor_fault::{FailureKind, Failures, Stretch};
+use recording::{Note, Recording, Signal};
+use simulation::sensor_fault::{FailureKind, Failures, RangeEnd, Stretch};
 use simulation::signal::noise::{extent, resolution};
 use simulation::signal::spectrum::{SpectralLine, strongest_line};
+
+use crate::wording::{range_end, unsettled};
 
 /// Slowest dither, Hz: below it a command is motion.
 const SLOWEST_DITHER_HZ: f64 = 30.0;
@@ -32,6 +34,8 @@ pub struct PreparedChannel {
     pub spikes: usize,
     /// Where it failed for longer; these rows are not judged either.
     pub failures: Vec<FailedRows>,
+    /// Where it is at an end of its range; nor are these.
+    pub ends: Vec<AtEnd>,
     /// Its value at the start, SI, from the neighbouring rows.
     pub start: f64,
     /// Fit that a perfect model would reach, %.
@@ -69,6 +73,33 @@ impl fmt::Display for FailedRows {
     }
 }
 
+/// A sensor at an end of its range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtEnd {
+    /// The signal.
+    pub signal: Signal,
+    /// What it reads there, SI.
+    pub reading: f64,
+    /// Rows there.
+    pub rows: usize,
+    /// These rows as a share of all.
+    pub share: f64,
+}
+
+impl AtEnd {
+    fn of(signal: Signal, end: &RangeEnd) -> Self {
+        let rows = end.count();
+        Self { signal, reading: end.reading, rows, share: rows as f64 / end.rows.len() as f64 }
+    }
+}
+
+/// In words, without how its rows are treated.
+impl fmt::Display for AtEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&range_end(self.signal, self.reading, self.share))
+    }
+}
+
 /// A measured signal that is not judged and failed in some rows: there a straight line replaces it, as a drive input or as the initial state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bridged {
@@ -78,6 +109,8 @@ pub struct Bridged {
     pub spikes: usize,
     /// Where it failed for longer.
     pub failures: Vec<FailedRows>,
+    /// Where it is at an end of its range.
+    pub ends: Vec<AtEnd>,
 }
 
 /// What was found in one recording.
@@ -89,6 +122,8 @@ pub struct Preprocessing {
     pub rows: usize,
     /// Length, s.
     pub duration_s: f64,
+    /// Time at its beginning that is not judged, s, as it does not begin at rest and not all of its state is measured.
+    pub unsettled_s: f64,
     /// The judged channels.
     pub channels: Vec<PreparedChannel>,
     /// Measured signals that drive or start the model and failed.
@@ -99,22 +134,30 @@ pub struct Preprocessing {
     pub stamps: Stamps,
     /// Channels that are late against the model after the diagnosis.
     pub shifts: Vec<Shift>,
+    /// Whether its pressures were taken as read by absolute sensors.
+    pub taken_as_absolute: bool,
     /// What had to be corrected when it was read.
     pub notes: Vec<String>,
 }
 
 impl Preprocessing {
     /// Every failure of more than a moment, each with how its rows are treated.
-    pub fn failures(&self) -> impl Iterator<Item = (&FailedRows, &'static str)> {
-        let judged = self.channels.iter().flat_map(|channel| &channel.failures).map(|failure| (failure, "not judged"));
-        let driving = self.bridged.iter().flat_map(|bridged| &bridged.failures);
-        judged.chain(driving.map(|failure| (failure, "bridged by a straight line")))
+    pub fn failures(&self) -> impl Iterator<Item = (String, &'static str)> {
+        fn said<'a>(failures: &'a [FailedRows], ends: &'a [AtEnd]) -> impl Iterator<Item = String> + 'a {
+            ends.iter().map(ToString::to_string).chain(failures.iter().map(ToString::to_string))
+        }
+        let judged = self.channels.iter().flat_map(|channel| said(&channel.failures, &channel.ends));
+        let driving = self.bridged.iter().flat_map(|bridged| said(&bridged.failures, &bridged.ends));
+        judged.map(|said| (said, "not judged")).chain(driving.map(|said| (said, "bridged by a straight line")))
     }
 
-    /// What is worth reporting about the clock, in sentences.
+    /// What is worth reporting about the start and the clock, in sentences.
     #[must_use]
-    pub fn of_clock(&self) -> Vec<String> {
+    pub fn of_start_and_clock(&self) -> Vec<String> {
         let mut said = Vec::new();
+        if self.unsettled_s > 0.0 {
+            said.push(unsettled(self.unsettled_s));
+        }
         if self.stamps.lost > 0 || self.stamps.uneven > 0 {
             let interval = significant(1e3 * self.stamps.interval_s, 4);
             let (lost, uneven) = (self.stamps.lost, self.stamps.uneven);
@@ -133,18 +176,21 @@ impl Preprocessing {
 #[must_use]
 pub(crate) fn preprocessing(recording: &Recording, shown: &Shown) -> Preprocessing {
     let (prepared, time_s) = (&shown.prepared, recording.time_s());
-    let start = &prepared.stimulus.start;
+    let (start, settled) = (&prepared.stimulus.start, prepared.unsettled);
     let channels = prepared.channels.iter().map(|channel| {
         let step = resolution(&channel.recorded);
         let failures: Vec<_> =
             channel.stretches.iter().map(|stretch| FailedRows::of(channel.signal, time_s, stretch)).collect();
-        let longer: usize = channel.stretches.iter().map(|stretch| stretch.to - stretch.from).sum();
+        let longer: usize =
+            channel.stretches.iter().map(|stretch| stretch.to.saturating_sub(stretch.from.max(settled))).sum();
+        let at_end: usize = channel.ends.iter().flat_map(|end| &end.rows[settled..]).filter(|at_end| **at_end).count();
         PreparedChannel {
             signal: channel.signal,
             noise: channel.noise,
             step: (step > 0.0).then_some(step),
-            spikes: channel.failed.iter().filter(|failed| **failed).count() - longer,
+            spikes: channel.failed[settled..].iter().filter(|failed| **failed).count().saturating_sub(longer + at_end),
             failures,
+            ends: channel.ends.iter().map(|end| AtEnd::of(channel.signal, end)).collect(),
             start: match (channel.signal, start.pressures_pa) {
                 (Signal::Position, _) => start.position_m,
                 (Signal::PressureA, Some((a, _))) => a,
@@ -158,11 +204,13 @@ pub(crate) fn preprocessing(recording: &Recording, shown: &Shown) -> Preprocessi
         recording: prepared.name.clone(),
         rows: prepared.time_s.len(),
         duration_s: prepared.duration_s(),
+        unsettled_s: time_s[settled] - time_s[0],
         channels: channels.collect(),
         bridged: bridged(prepared),
         dither: recording.signal(Signal::Command).and_then(|command| dither(command, recording.sample_interval_s())),
         stamps: Stamps::of(time_s),
         shifts: shifts(shown),
+        taken_as_absolute: recording.notes().contains(&Note::TakenAsAbsolute),
         notes: recording.notes().iter().map(ToString::to_string).collect(),
     }
 }
@@ -174,10 +222,11 @@ fn bridged(prepared: &Prepared) -> Vec<Bridged> {
         .failures
         .iter()
         .filter(|(signal, _)| !judged(*signal))
-        .map(|&(signal, Failures { ref spikes, ref stretches })| Bridged {
+        .map(|&(signal, Failures { ref spikes, ref stretches, ref ends })| Bridged {
             signal,
             spikes: spikes.iter().filter(|spike| **spike).count(),
             failures: stretches.iter().map(|stretch| FailedRows::of(signal, &prepared.time_s, stretch)).collect(),
+            ends: ends.iter().map(|end| AtEnd::of(signal, end)).collect(),
         })
         .collect()
 }

@@ -154,7 +154,7 @@ pub(crate) fn prepared(found: &[Preprocessing]) -> Markup {
                 @for of in found {
                     @if let Some(line) = of.dither { p { (of.recording) ": dither of " (significant(line.amplitude, 2)) " V at " (significant(line.hz, 3)) " Hz in the command." } }
                     @for (failure, fate) in of.failures() { p { (of.recording) ": " (failure) "; " (fate) "." } }
-                    @for said in of.of_clock() { p { (of.recording) ": " (said) "." } }
+                    @for said in of.of_start_and_clock() { p { (of.recording) ": " (said) "." } }
                     @for note in &of.notes { p { (of.recording) ": " (note) "." } }
                 }
             }

@@ -7,7 +7,7 @@ use experiment::discriminate::Distance;
 
 use super::diagnosis::digits;
 use crate::evidence::Exhibits;
-use crate::evidence::preprocessing::{FailedRows, Preprocessing};
+use crate::evidence::preprocessing::{AtEnd, FailedRows, Preprocessing};
 use crate::evidence::waterfall::Waterfall;
 use crate::evidence::whiteness::Whiteness;
 use crate::wording;
@@ -69,6 +69,7 @@ pub(crate) fn prepared(found: &[Preprocessing]) -> Value {
                     "step": channel.step.and_then(|step| digits(step, 4)),
                     "spikes": channel.spikes,
                     "failures": channel.failures.iter().map(failure).collect::<Vec<_>>(),
+                    "range_ends": channel.ends.iter().map(range_end).collect::<Vec<_>>(),
                     "start": digits(channel.start, 6),
                     "unit": channel.signal.si_unit().symbol(),
                 });
@@ -80,13 +81,20 @@ pub(crate) fn prepared(found: &[Preprocessing]) -> Value {
             .iter()
             .map(|bridged| {
                 let failures: Vec<Value> = bridged.failures.iter().map(failure).collect();
-                (bridged.signal.name().to_owned(), json!({ "spikes": bridged.spikes, "failures": failures }))
+                (
+                    bridged.signal.name().to_owned(),
+                    json!({
+                        "spikes": bridged.spikes, "failures": failures,
+                        "range_ends": bridged.ends.iter().map(range_end).collect::<Vec<_>>(),
+                    }),
+                )
             })
             .collect();
         let dither =
             of.dither.map(|line| json!({ "hz": digits(line.hz, 4), "amplitude_v": digits(line.amplitude, 3) }));
         json!({
             "recording": of.recording, "rows": of.rows, "duration_s": digits(of.duration_s, 6),
+            "unsettled_s": digits(of.unsettled_s, 3),
             "channels": channels, "bridged": bridged, "dither": dither, "clock": clock(of), "notes": of.notes,
         })
     };
@@ -99,6 +107,11 @@ fn failure(failure: &FailedRows) -> Value {
         "kind": failure.kind.name(), "from_s": digits(failure.from_s, 6), "to_s": digits(failure.to_s, 6),
         "reading": digits(failure.reading, 6),
     })
+}
+
+/// Where a sensor is at an end of its range.
+fn range_end(end: &AtEnd) -> Value {
+    json!({ "reading": digits(end.reading, 6), "rows": end.rows })
 }
 
 /// Time stamps, and channels that are late against the model.

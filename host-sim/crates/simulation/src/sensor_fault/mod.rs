@@ -5,19 +5,23 @@
 //! as its velocity is bounded by what the recording shows. A signal that may jump (a spool that breaks away, a pressure between two
 //! slow samples) must also repeat one reading for longer than its own noise allows. A sensor without noise that is stuck to the end
 //! of the recording, or comes back to where it left, cannot be distinguished from a drive at rest and is not found; of two
-//! constants with one jump between, the first counts as the failure.
+//! constants with one jump between, the first counts as the failure. Readings at an end of the sensor's range are found in another way, see [`RangeEnd`].
 
 mod dropouts;
+mod range_ends;
 mod spikes;
 
 use std::borrow::Cow;
 
 use dropouts::stretches;
+use range_ends::range_ends;
 use spikes::spikes;
 
 use recording::{Recording, Signal};
 
 use crate::signal::noise::{noise, resolution};
+
+pub use range_ends::RangeEnd;
 
 /// Kind of failure over several rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +63,8 @@ pub struct Failures {
     pub spikes: Vec<bool>,
     /// Longer failures, in order; they do not overlap.
     pub stretches: Vec<Stretch>,
+    /// The ends of the sensor's range that it reached.
+    pub ends: Vec<RangeEnd>,
 }
 
 impl Failures {
@@ -66,16 +72,29 @@ impl Failures {
     #[must_use]
     pub fn of(signal: Signal, time_s: &[f64], values: &[f64]) -> Self {
         let step = resolution(values);
-        let noise = noise(values, step);
-        let spikes = spikes(values, noise);
-        let stretches = stretches(signal, time_s, values, &spikes, noise.max(step));
-        Self { spikes, stretches }
+        let mut ends = range_ends(signal, values, step);
+        let noise = noise_within(values, &ends);
+        let mut spikes = spikes(values, noise);
+        let mut stretches = stretches(signal, time_s, values, &spikes, noise.max(step));
+        // A reading that it jumps to is no end of its range that it reaches.
+        let jumped = |end: &RangeEnd| {
+            stretches
+                .iter()
+                .map(|stretch| end.rows[stretch.from..stretch.to].iter().filter(|at_end| **at_end).count())
+                .sum::<usize>()
+        };
+        ends.retain(|end| 2 * jumped(end) < end.count());
+        for end in &ends {
+            stretches.retain(|stretch| !end.rows[stretch.from..stretch.to].contains(&true));
+            spikes.iter_mut().zip(&end.rows).for_each(|(spike, at_end)| *spike &= !at_end);
+        }
+        Self { spikes, stretches, ends }
     }
 
     /// Whether the sensor failed at all.
     #[must_use]
     pub fn are_any(&self) -> bool {
-        self.spikes.contains(&true) || !self.stretches.is_empty()
+        self.spikes.contains(&true) || !self.stretches.is_empty() || !self.ends.is_empty()
     }
 
     /// Rows in which the sensor failed.
@@ -85,8 +104,26 @@ impl Failures {
         for stretch in &self.stretches {
             failed[stretch.from..stretch.to].fill(true);
         }
+        for end in &self.ends {
+            failed.iter_mut().zip(&end.rows).for_each(|(failed, at_end)| *failed |= at_end);
+        }
         failed
     }
+
+    /// Standard deviation of the sensor's noise, where it is not at an end of its range.
+    #[must_use]
+    pub fn noise(&self, values: &[f64]) -> f64 {
+        noise_within(values, &self.ends)
+    }
+}
+
+fn noise_within(values: &[f64], ends: &[RangeEnd]) -> f64 {
+    if ends.is_empty() {
+        return noise(values, resolution(values));
+    }
+    let is_within = |row: &usize| !ends.iter().any(|end| end.rows[*row]);
+    let within: Vec<f64> = (0..values.len()).filter(is_within).map(|row| values[row]).collect();
+    noise(&within, resolution(&within))
 }
 
 /// Values with the failed rows bridged by a straight line; at an end, by the nearest value that did not fail.
@@ -150,6 +187,12 @@ impl<'a> Mended<'a> {
             mended.failures.push((signal, failures));
         }
         mended
+    }
+
+    /// Whether a sensor is at an end of its range in most of the first rows.
+    pub(crate) fn is_at_end(&self, signal: Signal, rows: usize) -> bool {
+        let found = self.failures.iter().filter(|(of, _)| *of == signal).flat_map(|(_, failures)| &failures.ends);
+        found.into_iter().any(|end| 2 * end.rows.iter().take(rows).filter(|row| **row).count() > rows)
     }
 }
 

@@ -149,3 +149,65 @@ fn spikes_are_no_stretches_and_failed_rows_are_bridged() {
     assert!(bridged.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 3e-4));
     assert_eq!(super::bridged(&[5.0, 1.0, 5.0], &[true, false, true]), [1.0, 1.0, 1.0]);
 }
+
+fn ends(signal: Signal, values: &[f64]) -> Vec<(f64, usize)> {
+    let time_s: Vec<f64> = (0..values.len()).map(|row| row as f64 * 1e-3).collect();
+    Failures::of(signal, &time_s, values).ends.iter().map(|end| (end.reading, end.count())).collect()
+}
+
+fn cut(values: &[f64], low: f64, high: f64) -> Vec<f64> {
+    values.iter().map(|value| value.clamp(low, high)).collect()
+}
+
+#[test]
+fn readings_at_an_end_of_a_range_lack_their_noise() {
+    let (_, pressure) = noisy();
+    assert_eq!(ends(Signal::PressureA, &pressure), []);
+    let high = ends(Signal::PressureA, &cut(&pressure, 0.0, 3.5e6));
+    let beyond = pressure.iter().filter(|value| **value >= 3.5e6).count();
+    assert!(
+        matches!(high.as_slice(), [(reading, count)] if (*reading - 3.5e6).abs() < 1e-3 && count.abs_diff(beyond) < 200),
+        "{high:?}"
+    );
+    // Most of it, and both ends.
+    assert_eq!(ends(Signal::PressureA, &cut(&pressure, 2.6e6, 2.9e6)).len(), 2);
+    let spool: Vec<f64> = pressure.iter().map(|value| (value - 3e6) / 1e6).collect();
+    assert_eq!(ends(Signal::Spool, &cut(&spool, -0.7, 0.8)).len(), 2);
+}
+
+#[test]
+fn the_noise_of_a_sensor_is_that_of_the_rows_within_its_range() {
+    let (time_s, pressure) = noisy();
+    let clipped = cut(&pressure, 0.0, 2.7e6);
+    let found = Failures::of(Signal::PressureA, &time_s, &clipped).noise(&clipped);
+    let whole = Failures::of(Signal::PressureA, &time_s, &pressure).noise(&pressure);
+    assert!((found / whole - 1.0).abs() < 0.15, "{found} {whole}");
+}
+
+#[test]
+fn a_sensor_without_visible_noise_shows_an_end_of_its_range_by_corners() {
+    let wave: Vec<f64> =
+        (0..6000).map(|row| ((3e6 + 2e6 * (0.06 * f64::from(row)).sin()) / 1e4).round() * 1e4).collect();
+    assert_eq!(ends(Signal::PressureB, &wave), []);
+    assert!(ends(Signal::PressureB, &cut(&wave, 0.0, 4e6)).len() == 1);
+    // A rod may well come to its stop at full speed, and a floor near the tank's pressure is oil's own.
+    assert_eq!(ends(Signal::Position, &cut(&wave, 0.0, 4e6)), []);
+    let floor: Vec<f64> = wave.iter().map(|pa| pa - 2e6).collect();
+    assert_eq!(ends(Signal::PressureB, &cut(&floor, 0.0, 9e6)), []);
+}
+
+#[test]
+fn what_rests_at_its_highest_or_lowest_value_is_at_no_end_of_a_range() {
+    // A rod that rests in both directions against its stops.
+    let (_, rod) = rod();
+    assert_eq!(ends(Signal::Position, &cut(&rod, 0.1, 0.2)), []);
+    // A pressure that rises to the supply's, in coarse steps.
+    let rising = |row: u32| ((1.0 - (-0.02 * f64::from(row % 1000)).exp()) * 200.0).round() * 5e4;
+    assert_eq!(ends(Signal::PressureA, &(0..4000).map(rising).collect::<Vec<_>>()), []);
+    // A spool with noise that rests at full travel, and one without.
+    let mut noise = Noise::new(5, 0);
+    let travel = |row: u32| (2.0 * (0.005 * f64::from(row)).sin()).clamp(-1.0, 1.0);
+    let noisy: Vec<f64> = (0..4000).map(|row| travel(row) + noise.gaussian(5e-4)).collect();
+    assert_eq!(ends(Signal::Spool, &noisy), []);
+    assert_eq!(ends(Signal::Spool, &(0..4000).map(travel).collect::<Vec<_>>()), []);
+}

@@ -203,7 +203,7 @@ impl Stimulus {
         Ok(Self {
             input_point,
             tick,
-            start: start(recording, machine),
+            start: start(mended, machine, input_point),
             ticks: grid.ticks,
             input,
             spool,

@@ -1,0 +1,387 @@
+//! Whether a recording begins at rest, and what it shows of the motion where it does not.
+//!
+//! What moves before a command of the recording can have an effect was moved by what came before the recording. So does the spool (or, where no
+//! spool is measured, the rod) that changes its motion while the command keeps its first value, for a settled valve would not move it.
+
+use model_core::machine::{Machine, Parameter, Source};
+use recording::{Recording, Signal};
+
+use crate::signal::noise::{extent, noise, resolution};
+use crate::stimulus::InputPoint;
+
+/// The spool in the first row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpoolAtStart {
+    /// What its sensor reads, 1.
+    pub reading: f64,
+    /// Slope of the reading, 1/s.
+    pub slope_per_s: f64,
+    /// Whether it rested before: the command was then given only now. Otherwise the command is taken to be as old as the valve's delay.
+    pub rests: bool,
+}
+
+/// What the first rows of a recording show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Motion {
+    /// 0 for a rod at rest.
+    pub(crate) velocity_m_per_s: f64,
+    pub(crate) spool: Option<SpoolAtStart>,
+    pub(crate) unknown_for_s: f64,
+    /// Whether it changes, so that means over a longer time are no initial values.
+    pub(crate) is_changing: bool,
+    /// Rows from which initial values can be read then.
+    pub(crate) first_rows: usize,
+}
+
+/// Fewest rows that a slope is taken from.
+const LEAST_ROWS: usize = 5;
+/// Fewest rows that show whether the spool moves at all.
+const LEAST_ROWS_OF_SLOPE: usize = 3;
+/// Most rows from which the noise is estimated: the same for a whole recording and for its first part.
+const ROWS_OF_NOISE: usize = 1000;
+/// A single reading is that many standard deviations of the noise off less often than once in a hundred million rows.
+const BEYOND_NOISE: f64 = 6.0;
+/// A slope that is that many standard deviations from 0 is none of noise: once in sixteen thousand recordings.
+const SLOPE_BEYOND_NOISE: f64 = 4.0;
+/// Least change of the spool that counts, as a share of full travel: less than any dead zone, and more than a drifting neutral moves meanwhile.
+const LEAST_TRAVEL: f64 = 0.005;
+/// The nominal place of a settled spool is known to a tenth of full travel at zero command …
+const NOMINAL_OFFSET: f64 = 0.1;
+/// … and within this share of what the command adds.
+const NOMINAL_GAIN: f64 = 0.3;
+/// A first-order lag has settled to less than a hundredth after this many of its time constants.
+const SETTLED: f64 = 5.0;
+/// No more than this share of a recording is unknown: less would be left of short ones than they show.
+const MOST_UNKNOWN: f64 = 0.25;
+
+/// The first rows of a recording, and a machine's nominal times.
+struct Beginning<'a> {
+    recording: &'a Recording,
+    machine: &'a Machine<f64>,
+    time_s: &'a [f64],
+    /// Transport delay and lags of the valve.
+    settling_s: f64,
+    /// Rows before the command's first change can have an effect, none later than the settling time.
+    undisturbed: usize,
+    /// Whether these rows last as long as the valve needs to settle.
+    settles: bool,
+    first_rows: usize,
+}
+
+impl Motion {
+    /// What a recording shows that drives a machine at this point.
+    pub(crate) fn of(recording: &Recording, machine: &Machine<f64>, input_point: InputPoint) -> Self {
+        let beginning = Beginning::of(recording, machine, input_point);
+        let mut motion = Self {
+            velocity_m_per_s: 0.0,
+            spool: None,
+            unknown_for_s: 0.0,
+            is_changing: false,
+            first_rows: beginning.first_rows,
+        };
+        if recording.rows() < LEAST_ROWS {
+            return motion;
+        }
+        let by_valve = machine.source == Source::Valve && recording.has(Signal::Command);
+        let spool = recording.signal(Signal::Spool).filter(|_| by_valve);
+        let shown = spool.and_then(|spool| beginning.spool(spool));
+        let rod_changes = by_valve && spool.is_none() && beginning.rod_changes();
+        motion.is_changing = shown.is_some() || rod_changes;
+        if input_point == InputPoint::Command {
+            motion.spool = shown;
+            if rod_changes || shown.is_some_and(|spool| !spool.rests) {
+                let longest_s = MOST_UNKNOWN * (beginning.time_s[recording.rows() - 1] - beginning.time_s[0]);
+                motion.unknown_for_s = beginning.settling_s.min(longest_s);
+            }
+        }
+        motion.velocity_m_per_s = beginning.velocity(motion.is_changing);
+        motion
+    }
+}
+
+impl<'a> Beginning<'a> {
+    fn of(recording: &'a Recording, machine: &'a Machine<f64>, input_point: InputPoint) -> Self {
+        let (time_s, get) = (recording.time_s(), |parameter| machine.get(parameter));
+        let delay_s = get(Parameter::TransportDelay);
+        let settling_s = delay_s + SETTLED * (get(Parameter::TimeConstant1) + get(Parameter::TimeConstant2));
+        let driving =
+            recording.signal(if input_point == InputPoint::Pump { Signal::PumpSpeed } else { Signal::Command });
+        let changed = driving.and_then(|values| values.iter().position(|value| value.to_bits() != values[0].to_bits()));
+        // What only sensors show may move the rod at once.
+        let undisturbed_s = match (driving, changed) {
+            (None, _) => 0.0,
+            (Some(_), None) => f64::INFINITY,
+            (Some(_), Some(row)) => time_s[row] - time_s[0] + delay_s,
+        };
+        let within = |longest_s: f64| time_s.partition_point(|time| time - time_s[0] <= longest_s);
+        Self {
+            recording,
+            machine,
+            time_s,
+            settling_s,
+            undisturbed: within(undisturbed_s.min(settling_s)),
+            settles: undisturbed_s >= settling_s,
+            first_rows: within(delay_s).max(LEAST_ROWS).min(time_s.len()),
+        }
+    }
+
+    /// The spool, where it is not at rest where the command would hold it.
+    fn spool(&self, spool: &[f64]) -> Option<SpoolAtStart> {
+        let noise = noise_of(spool);
+        let get = |parameter| self.machine.get(parameter);
+        let first = Line::through(&self.time_s[..self.first_rows], &spool[..self.first_rows], noise);
+        let (low, high) = extent(&spool[..self.undisturbed]);
+        // A spool that follows a command trails it by the delay and the lags.
+        let slope = Line::through(&self.time_s[..self.undisturbed], &spool[..self.undisturbed], noise).clear_slope();
+        let trails = get(Parameter::TransportDelay) + get(Parameter::TimeConstant1) + get(Parameter::TimeConstant2);
+        let follows = self.undisturbed >= LEAST_ROWS_OF_SLOPE
+            && (slope * trails).abs() > (BEYOND_NOISE * noise).max(LEAST_TRAVEL);
+        let moves = follows || high - low > (2.0 * BEYOND_NOISE * noise).max(LEAST_TRAVEL);
+        let by_command =
+            get(Parameter::ValveGain) * self.recording.signal(Signal::Command).map_or(0.0, |volts| volts[0]);
+        let displaced = (first.at_start - by_command - get(Parameter::ValveOffset)).abs();
+        let is_displaced = !self.settles && displaced > NOMINAL_OFFSET + NOMINAL_GAIN * by_command.abs();
+        (moves || is_displaced).then(|| {
+            // Of a command that is held, only the first rows tell how it begins.
+            let slope_per_s = if follows && !self.settles { slope } else { first.clear_slope() };
+            SpoolAtStart {
+                reading: if slope_per_s == 0.0 { first.mean } else { first.at_start },
+                slope_per_s,
+                rests: slope_per_s == 0.0,
+            }
+        })
+    }
+
+    /// Whether the rod is not moved as by a settled valve: evenly, or not at all.
+    fn rod_changes(&self) -> bool {
+        let Some(position) = self.recording.signal(Signal::Position) else { return false };
+        let noise = noise_of(position);
+        let (time_s, position) = (&self.time_s[..self.undisturbed], &position[..self.undisturbed]);
+        if position.len() < LEAST_ROWS {
+            return false;
+        }
+        let line = Line::through(time_s, position, noise);
+        let off = |(time, value): (&f64, &f64)| (value - line.mean - line.slope * (time - line.middle_s)).abs();
+        let uneven = time_s.iter().zip(position).map(off).fold(0.0, f64::max) > BEYOND_NOISE * noise;
+        uneven || (!self.settles && self.shows(line.clear_slope(), noise))
+    }
+
+    /// The rod's velocity, m/s; 0 where it is too slow for its sensor to show that a run begins at rest instead.
+    fn velocity(&self, is_changing: bool) -> f64 {
+        let rows = if is_changing { self.first_rows } else { self.undisturbed.max(LEAST_ROWS) }.min(self.time_s.len());
+        let line = |signal| {
+            let values: &[f64] = self.recording.signal(signal)?;
+            let noise = noise_of(values);
+            Some((Line::through(&self.time_s[..rows], &values[..rows], noise), noise))
+        };
+        if let Some((velocity, noise)) = line(Signal::Velocity) {
+            return if velocity.at_start.abs() > BEYOND_NOISE * noise { velocity.at_start } else { 0.0 };
+        }
+        let Some((position, noise)) = line(Signal::Position) else { return 0.0 };
+        let velocity = position.clear_slope();
+        if self.shows(velocity, noise) { velocity } else { 0.0 }
+    }
+
+    /// Whether a position's sensor with this noise shows that a rod begins with this velocity and not at rest: the oil springs make it
+    /// catch up within v/ω.
+    fn shows(&self, velocity_m_per_s: f64, noise_m: f64) -> bool {
+        let get = |parameter| self.machine.get(parameter);
+        let stiffness = get(Parameter::BulkModulus)
+            * (get(Parameter::AreaA).powi(2) / get(Parameter::VolumeA)
+                + get(Parameter::AreaB).powi(2) / get(Parameter::VolumeB));
+        let frequency = (stiffness / get(Parameter::MovingMass)).sqrt();
+        velocity_m_per_s.abs() > noise_m * frequency
+    }
+}
+
+/// Noise of a channel from its first rows.
+fn noise_of(values: &[f64]) -> f64 {
+    let values = &values[..values.len().min(ROWS_OF_NOISE)];
+    noise(values, resolution(values))
+}
+
+/// The straight line through the first rows of a channel.
+struct Line {
+    mean: f64,
+    middle_s: f64,
+    slope: f64,
+    slope_std: f64,
+    at_start: f64,
+}
+
+impl Line {
+    fn through(time_s: &[f64], values: &[f64], noise: f64) -> Self {
+        let count = values.len() as f64;
+        let (middle_s, mean) = (time_s.iter().sum::<f64>() / count, values.iter().sum::<f64>() / count);
+        let spread: f64 = time_s.iter().map(|time| (time - middle_s).powi(2)).sum();
+        let slope =
+            time_s.iter().zip(values).map(|(time, value)| (time - middle_s) * (value - mean)).sum::<f64>() / spread;
+        Self {
+            mean,
+            middle_s,
+            slope,
+            slope_std: noise / spread.sqrt(),
+            at_start: mean + slope * (time_s[0] - middle_s),
+        }
+    }
+
+    /// The slope, where it is not one of noise; else 0.
+    fn clear_slope(&self) -> f64 {
+        if self.slope.abs() > SLOPE_BEYOND_NOISE * self.slope_std { self.slope } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use machine_file::LoadSource;
+    use model_core::machine::Tick;
+    use recording::Column;
+    use recording::seeded_noise::Noise;
+    use test_press::with_papers_valve;
+
+    use super::*;
+    use crate::initial_state::StartOffset;
+    use crate::recorded_start::Start;
+    use crate::run::simulate_f64;
+    use crate::stimulus::Stimulus;
+    use crate::{Run, run_in_lanes};
+
+    const NOISE: [(Signal, f64); 4] =
+        [(Signal::Spool, 5e-4), (Signal::PressureA, 2e4), (Signal::PressureB, 2e4), (Signal::Position, 1e-5)];
+
+    fn columns(from: u32, command: impl Fn(u32) -> f64) -> Vec<Column> {
+        let rows = from..from + 1500;
+        let time_s = rows.clone().map(|row| f64::from(row - from) * 1e-3).collect();
+        vec![Column::si(Signal::Time, time_s), Column::si(Signal::Command, rows.map(command).collect())]
+    }
+
+    fn stimulus(recording: &Recording) -> Stimulus {
+        let machine = with_papers_valve();
+        Stimulus::new(recording, &machine, InputPoint::Command, LoadSource::Constant, Tick::OneMillisecond).unwrap()
+    }
+
+    /// What the press's sensors show of its answer to a command, from this millisecond on.
+    fn cut(from: u32, command: impl Fn(u32) -> f64, sensors: &[Signal]) -> Recording {
+        let whole: Vec<Column> = {
+            let mut columns = columns(0, &command);
+            let rows = 0..from + 1500;
+            columns[0].values = rows.clone().map(|row| f64::from(row) * 1e-3).collect();
+            columns[1].values = rows.map(&command).collect();
+            columns.push(Column::si(Signal::Position, vec![0.12; columns[0].values.len()]));
+            columns
+        };
+        let whole = stimulus(&Recording::new("whole", whole).unwrap());
+        let run = simulate_f64(&with_papers_valve(), &whole, StartOffset::none()).unwrap();
+        let seen =
+            (1..).zip(NOISE).filter(|(_, (signal, _))| sensors.contains(signal)).map(|(stream, (signal, std))| {
+                let mut noise = Noise::new(3, stream);
+                let values = run.signal(signal).unwrap().iter().map(|value| value + noise.gaussian(std));
+                Column::si(signal, values.skip(from as usize).collect())
+            });
+        Recording::new("cut", columns(from, &command).into_iter().chain(seen).collect()).unwrap()
+    }
+
+    fn start(recording: &Recording) -> Start {
+        stimulus(recording).start
+    }
+
+    /// 7 V from the hundredth millisecond on, and back in the seven hundredth.
+    fn step(row: u32) -> f64 {
+        if (100..700).contains(&row) { 7.0 } else { 0.0 }
+    }
+
+    fn wave(row: u32) -> f64 {
+        6.0 * (0.02 * f64::from(row)).sin()
+    }
+
+    const ALL: [Signal; 4] = [Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position];
+
+    /// RMS difference of recorded and simulated over the noise after the time that is not known.
+    fn over_noise(recording: &Recording, signal: Signal) -> f64 {
+        let stimulus = stimulus(recording);
+        let run = simulate_f64(&with_papers_valve(), &stimulus, StartOffset::none()).unwrap();
+        let from = recording.time_s().partition_point(|time| *time < stimulus.start.unknown_for_s);
+        let rows = recording.signal(signal).unwrap().iter().zip(run.signal(signal).unwrap()).skip(from);
+        let squares: Vec<f64> = rows.map(|(recorded, simulated)| (recorded - simulated).powi(2)).collect();
+        let noise = NOISE.iter().find(|(known, _)| *known == signal).unwrap().1;
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt() / noise
+    }
+
+    #[test]
+    fn a_recording_that_begins_at_rest_starts_at_rest() {
+        for sensors in [&ALL[..], &ALL[1..], &ALL[3..]] {
+            for command in [step, wave] {
+                let recording = cut(0, command, sensors);
+                let start = start(&recording);
+                assert_eq!(start, Start::at_rest(command(0), start.pressures_pa, start.position_m), "{sensors:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_command_that_is_on_from_the_first_row_moves_the_spool_from_where_it_is() {
+        let recording = cut(100, step, &ALL);
+        let start = start(&recording);
+        let spool = start.spool.unwrap();
+        assert!(spool.rests && (spool.reading - 0.0345).abs() < 1e-3 && start.unknown_for_s == 0.0, "{start:?}");
+        for signal in ALL {
+            assert!(over_noise(&recording, signal) < 1.2, "{signal}: {}", over_noise(&recording, signal));
+        }
+        // A ramp hides what the command did before; the place of the spool shows it.
+        let ramp = |row: u32| if row < 100 { 0.0 } else { 8.0 - 0.005 * f64::from(row - 100) };
+        assert!(self::start(&cut(100, ramp, &ALL)).spool.is_some_and(|spool| spool.rests));
+    }
+
+    #[test]
+    fn a_recording_that_is_cut_in_the_middle_of_a_transient_starts_from_the_measured_spool_and_velocity() {
+        for (from, command) in [(130, step as fn(u32) -> f64), (715, step), (400, wave), (457, wave)] {
+            let recording = cut(from, command, &ALL);
+            let start = start(&recording);
+            assert!(start.spool.is_some_and(|spool| !spool.rests), "{from}: {start:?}");
+            assert!((0.2..0.3).contains(&start.unknown_for_s), "{from}: {start:?}");
+            let spool = over_noise(&recording, Signal::Spool);
+            assert!(spool < 1.2, "{from}: {spool}");
+        }
+        let moving = start(&cut(715, step, &ALL)).velocity_m_per_s;
+        assert!((0.02..0.08).contains(&moving), "{moving}");
+    }
+
+    #[test]
+    fn without_a_measured_spool_a_changing_motion_is_not_known_and_an_even_one_is() {
+        for sensors in [&ALL[1..], &ALL[3..]] {
+            for (from, command) in [(100, step as fn(u32) -> f64), (130, step), (715, step), (457, wave)] {
+                let start = start(&cut(from, command, sensors));
+                assert!(start.spool.is_none() && start.unknown_for_s > 0.2, "{from}: {start:?}");
+            }
+            let even = start(&cut(420, step, sensors));
+            assert!(even.unknown_for_s == 0.0 && even.velocity_m_per_s > 0.02, "{even:?}");
+        }
+        assert!(start(&cut(420, step, &ALL)).spool.is_none(), "it is where the command holds it");
+    }
+
+    #[test]
+    fn no_more_than_a_quarter_of_a_short_recording_is_not_known() {
+        let short = cut(130, step, &ALL).first(200);
+        assert!((start(&short).unknown_for_s - 0.25 * 0.199).abs() < 1e-9);
+    }
+
+    #[test]
+    fn in_lanes_a_recording_starts_in_motion_as_it_does_alone() {
+        let machine = with_papers_valve();
+        let stimuli = [stimulus(&cut(0, step, &ALL)), stimulus(&cut(130, step, &ALL)), stimulus(&cut(100, step, &ALL))];
+        let runs: Vec<Run<'_>> = stimuli
+            .iter()
+            .map(|stimulus| Run { stimulus, offset: StartOffset::none(), signals: ALL.to_vec() })
+            .collect();
+        let alone = stimuli.each_ref().map(|stimulus| simulate_f64(&machine, stimulus, StartOffset::none()).unwrap());
+        let mut rows = 0;
+        run_in_lanes(&machine, &runs, &mut |run, row, values| {
+            for (signal, value) in ALL.iter().zip(values) {
+                assert_eq!(alone[run].signal(*signal).unwrap()[row].to_bits(), value.to_bits(), "{run} {row} {signal}");
+            }
+            rows += 1;
+        })
+        .unwrap();
+        assert_eq!(rows, 4500);
+    }
+}
