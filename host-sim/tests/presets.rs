@@ -13,7 +13,7 @@ fn preset(name: &str) -> (String, machine_file::MachineFile) {
 
 #[test]
 fn every_value_of_a_preset_says_printed_derived_or_assumed() {
-    for name in ["paper-as-printed.toml", "press-63-40.toml"] {
+    for name in ["paper-as-printed.toml", "press-63-40.toml", "press-63-40-installed.toml"] {
         let (text, file) = preset(name);
         assert_eq!(format!("{}.toml", file.name), name);
         file.machine.check().unwrap();
@@ -39,7 +39,7 @@ fn the_printed_coefficients_are_in_the_preset_of_that_name() {
 
 #[test]
 fn the_areas_are_those_of_a_63_mm_bore_and_a_40_mm_rod() {
-    for name in ["paper-as-printed.toml", "press-63-40.toml"] {
+    for name in ["paper-as-printed.toml", "press-63-40.toml", "press-63-40-installed.toml"] {
         let (_, file) = preset(name);
         let circle = |diameter_m: f64| 0.25 * std::f64::consts::PI * diameter_m * diameter_m;
         assert!((file.machine.get(Parameter::AreaA) - circle(0.063)).abs() < 1e-6);

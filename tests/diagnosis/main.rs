@@ -11,6 +11,7 @@ mod derivatives;
 mod drawn;
 mod entered;
 mod faults;
+mod hall;
 mod long;
 mod oil;
 mod once;

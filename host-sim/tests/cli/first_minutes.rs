@@ -24,7 +24,7 @@ fn the_tutorial_shows_what_the_tool_prints() {
     let document = std::fs::read_to_string(&path).unwrap();
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("presets")).unwrap();
-    let preset = "presets/press-63-40.toml";
+    let preset = "presets/press-63-40-installed.toml";
     std::fs::copy(root().join(preset), folder.path().join(preset)).unwrap();
 
     let mut parts = document.split(COMMAND);

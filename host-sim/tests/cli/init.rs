@@ -118,7 +118,7 @@ fn answers_that_make_no_sense_are_refused_with_what_would() {
 fn from_data_sheet_to_the_noise_floor() {
     let folder = tempfile::tempdir().unwrap();
     done(folder.path(), &PRESS);
-    let preset = root().join("presets/press-63-40.toml").display().to_string();
+    let preset = root().join("presets/press-63-40-installed.toml").display().to_string();
     let testbed = ["testbed", "--machine", &preset, "--out", "case", "--tick", "2", "--seed", "5"];
     let commands =
         ["--train", "random:8V,0.08s,0.5s,3s,seed=1", "--train", "steps:7V", "--holdout", "sweep:6V,0.5Hz,4Hz,3s"];

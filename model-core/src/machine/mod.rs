@@ -98,6 +98,13 @@ impl<R: Real> Machine<R> {
         }
     }
 
+    /// The spool's lead over its position per speed, s: what the first lag's output is ahead, T2, or 1/ω.
+    #[must_use]
+    pub fn spool_lead_s(&self) -> R {
+        let hertz = self.get(Parameter::NaturalFrequency);
+        if hertz.is_nil() { self.get(Parameter::TimeConstant2) } else { R::ONE / (R::constant(2.0 * PI) * hertz) }
+    }
+
     /// How much of the piston's displacement from mid-stroke the chamber volumes follow: 1 by `volume_follows_piston`, and what the effect
     /// `position-dependent-volume` adds.
     #[must_use]

@@ -266,7 +266,7 @@ impl<N: Number> Stiction<N> {
 mod tests {
     use crate::drive::Drive;
     use crate::machine::{Machine, Parameter as P, Source, Tick};
-    use crate::number::{Number, PerUnit};
+    use crate::number::{Number, PerUnit, Scalar};
     use crate::ports::{AcrossEdges, Spool};
     use crate::valve::{Valve, ValveState};
 
@@ -291,6 +291,52 @@ mod tests {
     fn assert_near<const K: usize>(found: [f64; K], expected: [f64; K]) {
         for (one, other) in found.iter().zip(&expected) {
             assert!((one - other).abs() < 3e-8, "{found:?}, expected {expected:?}");
+        }
+    }
+
+    /// The step response of a second-order system, at ω·t.
+    fn response(damping: f64, turn: f64) -> f64 {
+        if damping < 1.0 {
+            let swing = libm::sqrt(1.0 - damping * damping);
+            let (sine, cosine) = (libm::sin(swing * turn), libm::cos(swing * turn));
+            return 1.0 - libm::exp(-damping * turn) * (cosine + damping / swing * sine);
+        }
+        let root = libm::sqrt(damping * damping - 1.0);
+        let (slow, fast) = (damping - root, damping + root);
+        1.0 - (fast * libm::exp(-slow * turn) - slow * libm::exp(-fast * turn)) / (2.0 * root)
+    }
+
+    #[test]
+    fn a_second_order_spool_answers_a_step_as_the_textbook_says() {
+        fn check<N: Scalar<Real = f64>>(within: f64) {
+            for damping in [0.3, 0.7, 0.999, 1.001, 2.0] {
+                let hertz = 40.0;
+                let valve = valve::<N>(&[(P::NaturalFrequency, hertz), (P::SpoolDamping, damping)]);
+                let mut state: ValveState<N, 64> = valve.at_rest(N::ZERO);
+                for tick in 1..=100 {
+                    let found = valve.step(&mut state, N::saturated(0.5)).to.to_f64();
+                    let turn = core::f64::consts::TAU * hertz * 1e-3 * f64::from(tick);
+                    assert!((found - 0.5 * response(damping, turn)).abs() < within, "{damping} {tick}: {found}");
+                }
+            }
+        }
+        check::<PerUnit>(2e-7);
+        check::<f64>(1e-7);
+    }
+
+    #[test]
+    fn no_spool_moves_faster_than_its_own_limit_and_all_arrive() {
+        for overdrive in [0.0, 0.5, 20.0] {
+            let limits = [(P::NaturalFrequency, 60.0), (P::SpoolDamping, 0.8), (P::SpoolSpeedLimit, 10.0)];
+            let valve = valve::<PerUnit>(&[&limits[..], &[(P::SpeedOverdrive, overdrive)]].concat());
+            let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
+            let mut fastest = 0.0_f64;
+            for _ in 0..300 {
+                let Spool { from, to } = valve.step(&mut state, PerUnit::saturated(0.8));
+                fastest = fastest.max(to.to_f64() - from.to_f64());
+            }
+            assert!(fastest <= 0.01 + 1e-8 && fastest > 0.0098, "{overdrive}: {fastest}");
+            assert!((state.spool().to_f64() - 0.8).abs() < 1e-6, "{overdrive}");
         }
     }
 

@@ -124,6 +124,10 @@ fn wrong_types_are_refused() {
     assert_error!(refused("supply", "[channels]\ntime = \"\"", 6), MachineFileError::EmptyHeader { .. });
     assert_error!(refused("supply", "[fit.sigma]\nvalve.gain_per_v = 1", 6), MachineFileError::WrongType { .. });
     assert_error!(refused("supply", "[fit.sigma]\n\"valve.gain_per_v\" = 0", 6), MachineFileError::NotPositive { .. });
+    let tolerance = |line: &str| refused("supply", &format!("[fit.tolerance]\n{line}"), 6);
+    assert_error!(tolerance("\"effects.sensor-offset.spool\" = -1"), MachineFileError::NotPositive { .. });
+    // Only what an effect has can be within a tolerance.
+    assert_error!(tolerance("\"valve.gain_per_v\" = 0.1"), MachineFileError::UnknownKey { .. });
     assert_error!(parse(&VALVE.replace("[supply]", "[[supply]]")).unwrap_err(), MachineFileError::WrongType { .. });
     let long = parse(&VALVE.replace("0.0279]", "1, 2]")).unwrap_err();
     assert_error!(long, MachineFileError::TooManyEntries { found: 3, most: 2, .. });

@@ -124,7 +124,7 @@ impl<R: Real> ValveOnItsWay<R> {
         let target = get(Parameter::ValveGain) * R::constant(command_v) + get(Parameter::ValveOffset);
         Self {
             spool,
-            lag: spool + get(Parameter::TimeConstant2) * R::constant(slope_per_s),
+            lag: spool + machine.spool_lead_s() * R::constant(slope_per_s),
             set: if rests { spool } else { target },
         }
     }

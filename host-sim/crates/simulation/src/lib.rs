@@ -16,6 +16,7 @@ mod grid;
 mod in_chunks;
 mod in_lanes;
 mod initial_state;
+mod input_point;
 pub mod number;
 mod outflow;
 mod recorded_start;

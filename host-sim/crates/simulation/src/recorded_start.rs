@@ -3,9 +3,9 @@
 use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 
+use crate::input_point::InputPoint;
 use crate::sensor_fault::Mended;
 use crate::start_in_motion::{Motion, SpoolAtStart};
-use crate::stimulus::InputPoint;
 
 /// Initial state of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,8 +6,8 @@
 use model_core::machine::{Machine, Parameter, Source};
 use recording::{Recording, Signal};
 
+use crate::input_point::InputPoint;
 use crate::signal::noise::{extent, noise, resolution};
-use crate::stimulus::InputPoint;
 
 /// The spool in the first row.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +103,7 @@ impl<'a> Beginning<'a> {
     fn of(recording: &'a Recording, machine: &'a Machine<f64>, input_point: InputPoint) -> Self {
         let (time_s, get) = (recording.time_s(), |parameter| machine.get(parameter));
         let delay_s = get(Parameter::TransportDelay);
-        let settling_s = delay_s + SETTLED * (get(Parameter::TimeConstant1) + get(Parameter::TimeConstant2));
+        let settling_s = delay_s + SETTLED * machine.spool_lag_s();
         let driving =
             recording.signal(if input_point == InputPoint::Pump { Signal::PumpSpeed } else { Signal::Command });
         let changed = driving.and_then(|values| values.iter().position(|value| value.to_bits() != values[0].to_bits()));
@@ -133,7 +133,7 @@ impl<'a> Beginning<'a> {
         let (low, high) = extent(&spool[..self.undisturbed]);
         // A spool that follows a command trails it by the delay and the lags.
         let slope = Line::through(&self.time_s[..self.undisturbed], &spool[..self.undisturbed], noise).clear_slope();
-        let trails = get(Parameter::TransportDelay) + get(Parameter::TimeConstant1) + get(Parameter::TimeConstant2);
+        let trails = get(Parameter::TransportDelay) + self.machine.spool_lag_s();
         let follows = self.undisturbed >= LEAST_ROWS_OF_SLOPE
             && (slope * trails).abs() > (BEYOND_NOISE * noise).max(LEAST_TRAVEL);
         let moves = follows || high - low > (2.0 * BEYOND_NOISE * noise).max(LEAST_TRAVEL);

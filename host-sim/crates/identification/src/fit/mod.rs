@@ -439,4 +439,41 @@ mod tests {
         // A dead time from the machine file is kept, as the drive has it.
         assert!((delay(0.4).value(0.0) - 0.4).abs() < 1e-12);
     }
+
+    #[test]
+    fn every_freedom_finds_its_coordinate_back_and_has_the_slope_of_its_value() {
+        let signed = |is_signed| Freedom::Within { most: 0.08, is_signed };
+        for freedom in [
+            Freedom::Around { nominal: 0.02, sigma: 0.004 },
+            Freedom::Roughly { least: 0.01, nominal: 0.02, spread: 0.7 },
+            signed(true),
+            signed(false),
+            Freedom::Signed { sigma: 0.05 },
+            Freedom::Logarithm { centre: 0.01, spread: 0.7, vanishes: false },
+        ] {
+            let free = Free { parameter: Parameter::MeteringRatio, freedom };
+            for coordinate in [-1.5, -0.2, 0.0, 0.9, 1.8] {
+                let value = free.value(coordinate);
+                assert!((free.coordinate(value) - coordinate).abs() < 1e-9, "{freedom:?} {coordinate}");
+                let difference = (free.value(coordinate + 1e-5) - free.value(coordinate - 1e-5)) / 2e-5;
+                assert!((free.slope(coordinate) / difference - 1.0).abs() < 1e-6, "{freedom:?} {coordinate}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_tolerance_is_never_exceeded_and_a_positive_value_never_negative() {
+        let value = |freedom, coordinate| Free { parameter: Parameter::MeteringRatio, freedom }.value(coordinate);
+        let (both, one) =
+            (Freedom::Within { most: 0.08, is_signed: true }, Freedom::Within { most: 0.08, is_signed: false });
+        assert!((-0.08..=-0.079).contains(&value(both, -9.0)) && (0.079..=0.08).contains(&value(both, 9.0)));
+        assert!((0.0..0.001).contains(&value(one, -9.0)) && (value(one, 0.0) - 0.04).abs() < 1e-12);
+        let tank = Free::around(Parameter::TankPressure, 2e5, 2e5);
+        assert!(matches!(tank.freedom, Freedom::Roughly { .. }) && tank.value(-5.0) > 0.0);
+        assert!((tank.value(1.0) - 4e5).abs() < 1.0, "one deviation is a factor of two");
+        // What is known well has a Gaussian prior as before, and what is 0 by the file can move away from it.
+        assert!(matches!(Free::around(Parameter::MovingMass, 100.0, 5.0).freedom, Freedom::Around { .. }));
+        let lap = Free::around(Parameter::DeadZone, 0.0, 0.03);
+        assert!(lap.slope(0.0) > 0.0 && (0.001..0.03).contains(&lap.value(0.0)));
+    }
 }

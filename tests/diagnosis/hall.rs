@@ -1,0 +1,101 @@
+//! Drives as they stand in a hall: known by their data sheets alone, with the tolerances that every installed drive has.
+
+use diagnosis::Verdict;
+use machine_file::data_sheet::{Answers, Edges, Item, derived, toml};
+use machine_file::{MachineFile, read_text};
+use model_core::machine::Parameter as P;
+use recording::Recording;
+use recording::excitation::signals::Excitation;
+use virtual_plant::sensor::sensors::PositionSensor;
+use virtual_plant::{Bench, Drive, InitialState, Plant, PlantEffect, Sensors};
+
+use super::bed::{Case, accepted};
+
+/// What the catalogues say of a 63/36 × 300 mm cylinder on a proportional valve.
+fn data_sheet() -> MachineFile {
+    let mut answers = Answers::default();
+    for (item, text) in [
+        (Item::Bore, "63mm"),
+        (Item::Rod, "36mm"),
+        (Item::Stroke, "300mm"),
+        (Item::Mass, "160kg"),
+        (Item::Supply, "100bar"),
+        (Item::RatedFlow, "10l/min"),
+        (Item::RatedDrop, "5bar"),
+        (Item::RatedSignal, "10V"),
+        (Item::ValveResponse, "22ms"),
+        (Item::ValveStrokeTime, "40ms"),
+        (Item::Overlap, "10%"),
+        (Item::HoseLength, "1m"),
+        (Item::HoseDiameter, "10mm"),
+    ] {
+        answers.insert(item, item.parse(text).unwrap());
+    }
+    read_text("machine.toml", &toml("hall", &derived(&answers, Edges::Edge).unwrap())).unwrap()
+}
+
+/// Recordings of the drive as it is: oil in the tank line at 3.2 bar, a spool that overshoots, volumes that follow the piston, seals with a
+/// friction of 1.2 % of full force, hoses that yield; and what is broken.
+fn case(broken: &[PlantEffect]) -> Case {
+    let file = data_sheet();
+    let of_file = |parameter| file.machine.get(parameter);
+    let factors = [
+        (P::SupplyPressure, 1.005),
+        (P::TankPressure, 1.6),
+        (P::NaturalFrequency, 0.85),
+        (P::SpoolDamping, 0.75),
+        (P::SpoolSpeedLimit, 0.95),
+        (P::TransportDelay, 1.4),
+        (P::FlowCoefficient, 1.06),
+        (P::DeadZone, 1.04),
+        (P::BulkModulus, 1.1),
+        (P::MovingMass, 0.95),
+        (P::ViscousFriction, 0.4),
+    ];
+    let truth = file.machine.with(&factors.map(|(parameter, factor)| (parameter, factor * of_file(parameter))));
+    let truth = truth.with(&[(P::SpeedOverdrive, 30.0)]);
+    let full_n = of_file(P::AreaA) * of_file(P::SupplyPressure);
+    let seals = PlantEffect::CoulombFriction {
+        force_n: 0.012 * full_n,
+        stiffness_n_per_m: 0.012 * full_n / 3e-5,
+        damping_n_s_per_m: 2e3,
+    };
+    let hoses = PlantEffect::HoseCompliance { compliance_m3_per_pa: 1e-13, stiffening_pressure_pa: 1e8 };
+    let effects = [&[seals, hoses], broken].concat();
+    let random =
+        |seed| Excitation::Random { amplitude_v: 6.0, shortest_s: 0.15, longest_s: 0.4, duration_s: 2.0, seed };
+    let signals = [random(1), random(2), Excitation::paper_steps(4.0), random(3)];
+    let recorded = |(index, signal): (usize, &Excitation)| {
+        let plant = Plant::new(&truth, 1e-7).unwrap().with_effects(&effects);
+        let mut sensors = Sensors::with_position(&truth, PositionSensor::Linear { resolution_m: 2e-5 });
+        sensors.spool.noise_std = 5e-4;
+        let bench = Bench { tick_s: 2e-3, seed: 10 + index as u64, ..Bench::new(plant, sensors) };
+        let initial = InitialState::at_rest(&truth, 0.5 * truth.get(P::Stroke));
+        let made = bench.record(&Drive::Commands(signal.sample(bench.tick_s)), &initial).unwrap();
+        assert!(made.truth.iter().all(|state| (0.0..=truth.get(P::Stroke)).contains(&state.position_m)), "{signal:?}");
+        made.rounded().to_recording(&format!("{index}.csv")).unwrap()
+    };
+    let mut training: Vec<Recording> = signals.iter().enumerate().map(recorded).collect();
+    let held_out = training.split_off(3);
+    Case { file, training, held_out }
+}
+
+#[test]
+fn a_healthy_drive_misses_nothing_though_its_data_sheet_knows_none_of_its_tolerances() {
+    let found = case(&[]).diagnose();
+    assert_eq!((accepted(&found).as_str(), found.verdict), ("none", Verdict::NothingMissing), "{:?}", found.left);
+}
+
+#[test]
+fn a_leak_is_named_alone_and_in_its_size() {
+    let leak = 6e-12;
+    let found = case(&[PlantEffect::InternalLeakage {
+        conductance_m3_per_s_pa: leak,
+        turbulent_share: 0.0,
+        transition_pa: 3e6,
+    }])
+    .diagnose();
+    assert_eq!(accepted(&found), "internal-leakage");
+    let value = found.findings[0].parameters[0].value;
+    assert!((value / leak - 1.0).abs() < 0.1, "{value}");
+}
