@@ -5,8 +5,8 @@
 //! x' = d + decay_2·(x − d) + cross·(l − d)
 //! ```
 //!
-//! with d the set value that the tick holds. Lags: l is the output of the first, decay = e^(−h/T), cross = T1·(decay_1 − decay_2)/(T1 − T2) and
-//! back = 0. A second-order system, x″ = ω²·(d − x) − 2·ζ·ω·x′, has l = x + x′/ω, so that ζ = 1 is two equal lags of 1/ω. Then, with k = ω·h,
+//! with d the set value that the tick holds. Lags: l is the output of the first, each decay is e^(−h/T), cross is T1/(T1 − T2) times their
+//! difference, and back is 0. A second-order system, x″ = ω²·(d − x) − 2·ζ·ω·x′, has l = x + x′/ω, so that ζ = 1 is two equal lags of 1/ω. Then, with k = ω·h,
 //! q = k²·(ζ² − 1), C = cosh √q and S = (sinh √q)/√q, both of which are smooth through q = 0:
 //!
 //! ```text

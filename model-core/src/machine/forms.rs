@@ -15,39 +15,22 @@ pub struct Form {
 /// What an installed drive has beside the paper's model and that is no effect, on the press of [`Effect::trial`]: the spool as a second-order
 /// system, its largest speed, volumes that follow the piston, pressure in the tank line.
 pub const BASE_FORMS: &[Form] = &[
-    Form { name: "second-order spool", values: SECOND_ORDER },
+    Form { name: "second-order spool", values: &[NO_LAG, NO_SECOND_LAG, NATURAL, DAMPED] },
     Form {
         name: "second-order spool of limited speed",
-        values: &[
-            SECOND_ORDER[0],
-            SECOND_ORDER[1],
-            SECOND_ORDER[2],
-            SECOND_ORDER[3],
-            (Parameter::SpoolSpeedLimit, 8.0),
-        ],
+        values: &[NO_LAG, NO_SECOND_LAG, NATURAL, DAMPED, SPEED, (Parameter::SpeedOverdrive, 2.0)],
     },
-    Form {
-        name: "second-order spool of limited speed, pulled harder",
-        values: &[
-            SECOND_ORDER[0],
-            SECOND_ORDER[1],
-            SECOND_ORDER[2],
-            SECOND_ORDER[3],
-            (Parameter::SpoolSpeedLimit, 8.0),
-            (Parameter::SpeedOverdrive, 2.0),
-        ],
-    },
-    Form { name: "lags and limited speed", values: &[(Parameter::SpoolSpeedLimit, 8.0)] },
+    Form { name: "second-order spool of limited pull", values: &[NO_LAG, NO_SECOND_LAG, NATURAL, DAMPED, SPEED] },
+    Form { name: "lags and limited speed", values: &[SPEED] },
     Form { name: "volumes that follow the piston", values: &[(Parameter::VolumeFollows, 1.0)] },
     Form { name: "pressure in the tank line", values: &[(Parameter::TankPressure, 3e5)] },
 ];
 
-const SECOND_ORDER: &[(Parameter, f64)] = &[
-    (Parameter::TimeConstant1, 0.0),
-    (Parameter::TimeConstant2, 0.0),
-    (Parameter::NaturalFrequency, 25.0),
-    (Parameter::SpoolDamping, 0.6),
-];
+const NO_LAG: (Parameter, f64) = (Parameter::TimeConstant1, 0.0);
+const NO_SECOND_LAG: (Parameter, f64) = (Parameter::TimeConstant2, 0.0);
+const NATURAL: (Parameter, f64) = (Parameter::NaturalFrequency, 25.0);
+const DAMPED: (Parameter, f64) = (Parameter::SpoolDamping, 0.6);
+const SPEED: (Parameter, f64) = (Parameter::SpoolSpeedLimit, 8.0);
 
 macro_rules! forms {
     ([] $($effect:ident $name:literal in $link:ident {

@@ -3,7 +3,7 @@
 mod forms;
 mod parameter;
 
-use core::f64::consts::PI;
+use core::f64::consts::{PI, TAU};
 
 use crate::number::{Real, SUM_UNIT};
 
@@ -102,7 +102,7 @@ impl<R: Real> Machine<R> {
     #[must_use]
     pub fn spool_lead_s(&self) -> R {
         let hertz = self.get(Parameter::NaturalFrequency);
-        if hertz.is_nil() { self.get(Parameter::TimeConstant2) } else { R::ONE / (R::constant(2.0 * PI) * hertz) }
+        if hertz.is_nil() { self.get(Parameter::TimeConstant2) } else { R::ONE / (R::constant(TAU) * hertz) }
     }
 
     /// How much of the piston's displacement from mid-stroke the chamber volumes follow: 1 by `volume_follows_piston`, and what the effect

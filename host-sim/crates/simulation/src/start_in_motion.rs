@@ -68,6 +68,9 @@ struct Beginning<'a> {
     first_rows: usize,
 }
 
+/// No spool travels this far, 1: half beyond its rated travel.
+const MOST_TRAVEL: f64 = 1.5;
+
 impl Motion {
     /// What a recording shows that drives a machine at this point.
     pub(crate) fn of(recording: &Recording, machine: &Machine<f64>, input_point: InputPoint) -> Self {
@@ -141,7 +144,8 @@ impl<'a> Beginning<'a> {
             get(Parameter::ValveGain) * self.recording.signal(Signal::Command).map_or(0.0, |volts| volts[0]);
         let displaced = (first.at_start - by_command - get(Parameter::ValveOffset)).abs();
         let is_displaced = !self.settles && displaced > NOMINAL_OFFSET + NOMINAL_GAIN * by_command.abs();
-        (moves || is_displaced).then(|| {
+        // A reading beyond every travel is in another unit, and no state to start from.
+        ((moves || is_displaced) && first.at_start.abs() < MOST_TRAVEL).then(|| {
             // Of a command that is held, only the first rows tell how it begins.
             let slope_per_s = if follows && !self.settles { slope } else { first.clear_slope() };
             SpoolAtStart {

@@ -189,16 +189,13 @@ pub fn derived(answers: &Answers, edges: Edges) -> Result<Derived, SheetError> {
         if answers.is_pump() { made.pump(&sheet, area_a)? } else { made.valve(&sheet, edges, (area_a, area_b))? };
     let dead_m3 = made.cylinder(&sheet, (area_a, area_b), &full)?;
     let load = answers.get(Item::Load);
-    match load {
-        Some(load) => {
-            made.given("load", "force_n", load, load.si);
-            let within = (0.05 * load.si.abs()).hypot(LOAD_WITHIN * supply.si * area_a);
-            made.sigma("load.force_n", within, "given: within 5 %, and 1 % of full force");
-        }
-        None => {
-            made.push("load", "force_n", vec![0.0], Origin::Assumed, "no load was named".to_owned());
-            made.sigma("load.force_n", LOAD_WITHIN * supply.si * area_a, "assumed: within 1 % of full force");
-        }
+    let uncounted = LOAD_WITHIN * supply.si * area_a;
+    if let Some(load) = load {
+        made.given("load", "force_n", load, load.si);
+        made.sigma("load.force_n", (0.05 * load.si.abs()).hypot(uncounted), "given: within 5 %, and 1 % of full force");
+    } else {
+        made.push("load", "force_n", vec![0.0], Origin::Assumed, "no load was named".to_owned());
+        made.sigma("load.force_n", uncounted, "assumed: within 1 % of full force");
     }
     let overlap = answers.get(Item::Overlap).map_or(0.0, |overlap| overlap.si);
     let rated = answers.get(Item::SpoolAtRated).map_or(1.0, |reading| reading.si);
@@ -320,15 +317,12 @@ impl Derived {
         let table = "valve";
         self.push(table, "natural_frequency_hz", vec![spool.hertz], spool.origin, spool.why);
         self.sigma("valve.natural_frequency_hz", spool.within * spool.hertz, spool.known);
-        match given(Item::ValveDamping) {
-            Some(damping) => {
-                self.given(table, "damping", damping, damping.si);
-                self.sigma("valve.damping", 0.15 * damping.si, "given: within 15 %");
-            }
-            None => {
-                self.push(table, "damping", vec![DAMPING], Origin::Assumed, "hardly overshoots".to_owned());
-                self.sigma("valve.damping", DAMPING_WITHIN * DAMPING, "assumed: half to twice as much");
-            }
+        if let Some(damping) = given(Item::ValveDamping) {
+            self.given(table, "damping", damping, damping.si);
+            self.sigma("valve.damping", 0.15 * damping.si, "given: within 15 %");
+        } else {
+            self.push(table, "damping", vec![DAMPING], Origin::Assumed, "hardly overshoots".to_owned());
+            self.sigma("valve.damping", DAMPING_WITHIN * DAMPING, "assumed: half to twice as much");
         }
         let why = format!("a twentieth of {} ms to 90 %", significant(1e3 * spool.response_s, 3));
         self.push(table, "transport_delay_s", vec![DEAD_TIME * spool.response_s], Origin::Assumed, why);

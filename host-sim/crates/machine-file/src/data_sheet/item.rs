@@ -91,7 +91,7 @@ items! {
     RatedSignal "rated-signal" OfValve, [Voltage Current] Positive, "10V", "Signal at which the valve is fully open";
     ValveResponse "valve-response" OneOf(SPEEDS), [Time] Positive, "50ms", "Time of the spool from 0 to 90 % after a small step, dead time included";
     ValveFrequency "valve-frequency" OneOf(SPEEDS), [Frequency] Positive, "20Hz",
-        "Frequency at which the spool is 90° late, for a small signal";
+        "Frequency at which the spool is 90 degrees late, for a small signal";
     NaturalFrequency "valve-natural-frequency" OneOf(SPEEDS), [Frequency] Positive, "25Hz", "Natural frequency of the spool as a second-order system";
     ValveDamping "valve-damping" MayOfValve("80 %"), [Ratio] Positive, "70%", "Damping ratio of the spool: below 100 % it overshoots";
     Overlap "overlap" MayOfValve("none, as of a zero-lapped valve"), [Ratio] Share, "15%",
@@ -181,9 +181,7 @@ impl Answers {
             |flag: &&str| Item::ALL.iter().any(|item| item.question().flag == *flag && self.get(*item).is_some());
         let lacks = |item: &Item| match item.question().need {
             // The first of them stands for all.
-            OneOf(flags) => {
-                !pump && flags.first() == Some(&item.question().flag) && !flags.iter().any(|flag| given(flag))
-            }
+            OneOf(flags) => !pump && flags.first() == Some(&item.question().flag) && !flags.iter().any(given),
             _ => item.is_needed(pump) && self.get(*item).is_none(),
         };
         Item::ALL.iter().copied().filter(lacks).collect()

@@ -237,17 +237,14 @@ impl ShapedSpool {
         let pulled_to = inner - pushed;
         let lag_s = self.lags_s[1] + slower;
         let (moved_from, limit) = (self.moves_per_s, self.speed_per_s);
-        let free = match self.swings {
-            Some(swings) => {
-                let pull = [self.pulled_to, pulled_to];
-                let (free, moves_per_s) = swings.moved((self.free, self.moves_per_s), pull, step_s, limit);
-                self.moves_per_s = moves_per_s;
-                free
-            }
-            None => {
-                let free = lagged(self.free, self.pulled_to, pulled_to, step_s, lag_s);
-                self.free + (free - self.free).clamp(-limit * step_s, limit * step_s)
-            }
+        let free = if let Some(swings) = self.swings {
+            let pull = [self.pulled_to, pulled_to];
+            let (free, moves_per_s) = swings.moved((self.free, self.moves_per_s), pull, step_s, limit);
+            self.moves_per_s = moves_per_s;
+            free
+        } else {
+            let free = lagged(self.free, self.pulled_to, pulled_to, step_s, lag_s);
+            self.free + (free - self.free).clamp(-limit * step_s, limit * step_s)
         };
         let (is_swinging, moves_to) = (self.swings.is_some(), self.moves_per_s);
         let speed = |target: f64, at: f64, from: f64, to: f64| {
