@@ -270,9 +270,22 @@ impl Hypothesis {
     }
 }
 
-/// The largest magnitude of a parameter that is a tolerance; 0 where it has none.
+/// The parameter whose tolerance covers an amount: of the friction of good seals there is one, whichever law describes it.
 #[must_use]
-pub fn tolerance(base_parameters: &[Free], parameter: Parameter) -> f64 {
-    let known = base_parameters.iter().find(|free| free.parameter == parameter);
+pub fn covered_by(amount: Parameter) -> Parameter {
+    match amount {
+        Parameter::CoulombFriction
+        | Parameter::AsymmetricExtending
+        | Parameter::AsymmetricRetracting
+        | Parameter::PositionFriction
+        | Parameter::PreslidingForce => Parameter::StribeckForce,
+        own => own,
+    }
+}
+
+/// The largest magnitude of an amount within its tolerance; 0 where it has none.
+#[must_use]
+pub fn tolerance(base_parameters: &[Free], amount: Parameter) -> f64 {
+    let known = base_parameters.iter().find(|free| free.parameter == covered_by(amount));
     known.and_then(Free::tolerance).unwrap_or(0.0)
 }

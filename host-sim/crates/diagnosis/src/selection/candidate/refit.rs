@@ -6,6 +6,7 @@ use identification::parallel;
 use model_core::machine::{Machine, Parameter};
 
 use super::{Candidate, Chosen, Question, effect_parameters};
+use crate::catalogue::{EffectParameter, covered_by};
 use crate::selection::screen::with;
 
 /// The search ends when the loss falls by less than this share in a step.
@@ -168,11 +169,14 @@ fn cases_of_structure(base_parameters: &[Free]) -> Vec<Vec<(Parameter, f64)>> {
     )
 }
 
-/// What a fit moves: the base parameters, and every effect parameter with a usable derivative. An effect takes its own parameters over from their
-/// tolerances.
+/// What a fit moves: the base parameters, and every effect parameter with a usable derivative. An effect takes over what covers its own amounts
+/// within a tolerance.
 fn free(question: &Question<'_>, effects: &[Chosen]) -> Vec<Free> {
     let of_effects = effect_parameters(effects);
-    let is_taken = |free: &&Free| of_effects.iter().any(|own| own.parameter == free.parameter);
+    let is_taken = |free: &&Free| {
+        let covers = |own: &EffectParameter| [own.parameter, covered_by(own.parameter)].contains(&free.parameter);
+        of_effects.iter().any(covers)
+    };
     let smooth = of_effects.iter().filter(|effect_parameter| !effect_parameter.is_jump());
     question
         .base_parameters
