@@ -26,7 +26,10 @@ fn a_valve_that_is_driven_by_a_current_counts_in_milliamperes() {
 fn a_machine_file_comes_out_of_flags_and_says_what_to_do_next() {
     let folder = tempfile::tempdir().unwrap();
     let printed = done(folder.path(), &PRESS);
-    assert!(printed.starts_with("press.toml\nassumed    tank_pressure_pa, offset, damping, "), "{printed}");
+    assert!(
+        printed.starts_with("press.toml\nassumed    tank_pressure_pa, offset, speed_overdrive, damping, "),
+        "{printed}"
+    );
     assert!(printed.contains("host-sim inspect run.csv --machine press.toml"), "{printed}");
     let text = std::fs::read_to_string(folder.path().join("press.toml")).unwrap();
     for line in [

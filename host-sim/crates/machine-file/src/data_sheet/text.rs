@@ -7,7 +7,7 @@ use recording::files::source_error::rounded;
 use super::derive::{Derived, Origin};
 
 /// Comments begin in this column, unless the line before them is longer.
-const COMMENTS: usize = 48;
+const COMMENTS: usize = 47;
 
 /// The text of a machine file. `name` is the drive's.
 #[must_use]
@@ -51,7 +51,7 @@ pub fn toml(name: &str, made: &Derived) -> String {
 }
 
 fn line(text: &mut String, value: &str, comment: &str) {
-    let _ = writeln!(text, "{value:<COMMENTS$}# {comment}");
+    let _ = writeln!(text, "{value:<COMMENTS$} # {comment}");
 }
 
 /// Given values keep every digit; computed values have six.
@@ -86,8 +86,11 @@ mod tests {
     fn what_is_written_is_a_machine_file_and_says_of_every_value_where_it_comes_from() {
         for pump in [false, true] {
             let mut needed = Answers::default();
-            for item in Item::ALL.iter().filter(|item| item.is_needed(pump)) {
-                needed.insert(*item, item.parse(item.question().example).unwrap());
+            if pump {
+                needed.insert(Item::PumpDisplacement, Item::PumpDisplacement.parse("16cm3/rev").unwrap());
+            }
+            for item in needed.missing() {
+                needed.insert(item, item.parse(item.question().example).unwrap());
             }
             for answers in [examples(pump), needed] {
                 let text = toml("a \"drive\"", &derived(&answers, Edges::Edge).unwrap());
