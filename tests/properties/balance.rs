@@ -88,7 +88,7 @@ impl Chamber {
         }
     }
 
-    /// (7), with entrained air and a volume that follows the piston, at the start of a tick. Signals are limited to `end`: a position in
+    /// (7), with entrained air at the pressure halfway through a tick, and a volume that follows the piston, at its start. Signals are limited to `end`: a position in
     /// strokes, and a volume in volumes at mid-stroke.
     fn capacity(&self, pressure_pa: f64, strokes: f64, end: f64) -> Capacity {
         let oil = self.volume_m3 / self.modulus_pa;
@@ -191,8 +191,9 @@ impl Books {
         let pressures = [before.chambers.a, before.chambers.b].map(Scalar::to_f64);
         // α is a gain, and the flow that B displaces is rounded before anything is subtracted from it.
         let nets_off = [0.0, HALF * (v.abs() + 1.0)];
+        let midway = [seen.midway.a, seen.midway.b].map(Scalar::to_f64);
         for side in 0..2 {
-            let capacity = self.chambers[side].capacity(pressures[side] * pressure_pa, strokes, N::END);
+            let capacity = self.chambers[side].capacity(midway[side] * pressure_pa, strokes, N::END);
             let per_net = self.per_capacity / capacity.m3_per_pa;
             let rise = per_net * nets[side];
             let varies = if capacity.error > 0.0 { 3.0 * HALF } else { HALF };
