@@ -5,22 +5,9 @@ use std::time::Instant;
 
 use diagnosis::agreement::{Doubt, doubts};
 use diagnosis::base_parameters;
-use machine_file::MachineFile;
-use recording::Recording;
-
-/// A folder's machine file and its recordings.
-fn case(folder: &Path, machine: &Path) -> (MachineFile, Vec<Recording>) {
-    let file = machine_file::read(machine).unwrap();
-    let mut paths: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "csv"));
-    paths.sort();
-    let read = |path: &PathBuf| recording::read(path, &file.channels).unwrap();
-    let recordings = paths.iter().map(read).collect();
-    (file, recordings)
-}
 
 fn of_folder(folder: &Path) -> Vec<Doubt> {
-    let (file, recordings) = case(folder, &folder.join("machine.toml"));
+    let (file, recordings) = test_press::folder(folder);
     doubts(&file, &base_parameters(&file), &recordings.iter().collect::<Vec<_>>()).unwrap()
 }
 

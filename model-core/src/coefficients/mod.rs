@@ -16,7 +16,6 @@ use crate::chambers::Chambers;
 use crate::coefficients::bases::{
     COMMAND_V, GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, least_drag, smaller_capacity,
 };
-use crate::coefficients::lags::Lags;
 use crate::drive::{Drive, OilSource, StageWeights};
 use crate::flow::{Edges, Lines, Pump};
 use crate::machine::{Bases, Machine, MachineError, Parameter as P, Source, Tick};
@@ -136,7 +135,7 @@ impl<R: Real> Builder<'_, R> {
         let step_limit = self.get(P::RateLimit) * R::constant(self.tick_s);
         let limits = N::signal(step_limit).is_some();
         let half_per_step = if limits { R::constant(0.5) / step_limit } else { R::ZERO };
-        let Lags { decay_1, decay_2, cross, .. } = self.lags();
+        let lags = self.lags();
         Ok(Valve {
             gain: self.gain::<N>(
                 "spool travel per 10 V",
@@ -148,10 +147,10 @@ impl<R: Real> Builder<'_, R> {
             half_per_step: self.steep::<N>("inverse of the rate limit per tick", P::RateLimit, half_per_step)?,
             delay_ticks,
             delay_rest: self.signal("rest of the delay", P::TransportDelay, delay_rest)?,
-            decay_1: self.gain::<N>("decay of the first lag", P::TimeConstant1, decay_1)?,
-            decay_2: self.gain::<N>("decay of the second lag", P::TimeConstant2, decay_2)?,
-            cross: self.gain::<N>("coupling of the lags", P::TimeConstant1, cross)?,
-            effects: self.valve_effects()?,
+            decay_1: self.gain::<N>("decay of the first lag", P::TimeConstant1, lags.decay_1)?,
+            decay_2: self.gain::<N>("decay of the second lag", P::TimeConstant2, lags.decay_2)?,
+            cross: self.gain::<N>("coupling of the lags", P::TimeConstant1, lags.cross)?,
+            effects: self.valve_effects(&lags)?,
         })
     }
 

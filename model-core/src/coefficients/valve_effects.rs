@@ -1,6 +1,7 @@
 //! Coefficients of the valve link's effects; `None` where the amount is 0.
 
 use super::Builder;
+use super::lags::Lags;
 use crate::machine::{MachineError, Parameter as P};
 use crate::number::relaxation::{Relaxation, fineness};
 use crate::number::{Number, Real};
@@ -12,14 +13,13 @@ use crate::valve::effects::{
 const MOST_TURN: f64 = 2.0;
 
 impl<R: Real> Builder<'_, R> {
-    pub(super) fn valve_effects<N: Number<Real = R>>(&self) -> Result<ValveEffects<N>, MachineError> {
+    pub(super) fn valve_effects<N: Number<Real = R>>(&self, lags: &Lags<R>) -> Result<ValveEffects<N>, MachineError> {
         Ok(ValveEffects {
             drift: self.unless_nil(P::NullDriftTravel, |travel| self.null_drift(travel))?,
             saturation: self.solenoid()?,
             hysteresis: self.unless_nil(P::HysteresisWidth, |width| self.hysteresis(width))?,
-            flow_force: self.unless_nil(P::FlowForce, |closing| self.flow_force(closing, self.lags().share()))?,
-            swing: self
-                .lags()
+            flow_force: self.unless_nil(P::FlowForce, |closing| self.flow_force(closing, lags.share()))?,
+            swing: lags
                 .back
                 .map(|back| self.gain::<N>("coupling of the spool's speed", P::NaturalFrequency, back))
                 .transpose()?,

@@ -96,14 +96,10 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
         let beside = with(chambers.inflow::<V>(Flows { a: N::ZERO, b: N::ZERO }, pressures));
         let filling = chambers.filling(mechanics.making_room::<V>(motion), beside);
         let Started { flows, drawn, roots } = feed.start::<V>(pressures, state.supply.pressure, filling);
+        let inflow1 = Flows { a: flows.a.flow + beside.a, b: flows.b.flow + beside.b };
         // Air makes the capacity depend on the pressure: the tick takes the one that its middle will have. With that of its start an oscillating
         // chamber would lose oil from cycle to cycle.
-        let midway = chambers.midway::<V>(
-            pressures,
-            velocity,
-            Flows { a: flows.a.flow + beside.a, b: flows.b.flow + beside.b },
-            &flows,
-        );
+        let midway = chambers.midway::<V>(pressures, velocity, inflow1, &flows);
         let refilled = midway.and_then(|midway| self.chambers.at::<V>(midway, position, oil.map(|oil| oil.thinness)));
         let chambers = refilled.as_ref().unwrap_or(chambers);
         let yielding = chambers.yielding::<V>(&flows);
@@ -113,7 +109,6 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
         let spring = equation.on_spring(contact, pushing.stiffness);
 
         // First stage. First the flow into a chamber while the rod gains no velocity, then the flow that is left when it does.
-        let inflow1 = Flows { a: flows.a.flow + beside.a, b: flows.b.flow + beside.b };
         let net = Flows { a: inflow1.a - velocity, b: chambers.displaced_b(velocity) - inflow1.b };
         let stage = equation.first_stage(contact, velocity);
         let force = |before: N, net: Flows<N>| before + N::dot(pushing.force, [net.a, net.b]);

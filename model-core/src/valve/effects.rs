@@ -1,8 +1,8 @@
 //! What Fig. 5 does not have: effects of the valve link, a spool that swings, and its largest speed.
 //!
 //! In the order of the chain: the neutral drifts, the solenoid saturates, the hysteresis lags behind (all before the rate limiter); the
-//! flow force pushes closed (before the lags); the spool swings instead of lagging, and its speed is limited; it sticks (after both). Each is `None` where its amount is 0, and
-//! the valve's step is then the one without the effect, bit for bit.
+//! flow force pushes closed (before the lags); the spool swings instead of lagging, and its speed is limited; it sticks (after both). Each is
+//! `None` where its amount is 0, and the valve's step is then the one without the effect, bit for bit.
 
 use crate::effects::LinkEffects;
 use crate::number::Number;

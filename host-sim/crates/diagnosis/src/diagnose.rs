@@ -345,7 +345,7 @@ pub fn base_parameters(file: &MachineFile) -> Vec<Free> {
     let mut free: Vec<Free> = if file.has_sigma_table {
         file.sigma.iter().map(|(&parameter, &sigma)| around(parameter, sigma)).collect()
     } else {
-        let sigma = |parameter: Parameter| 0.1 * file.machine.get(parameter).abs();
+        let sigma = |parameter: Parameter| 0.1 * value(parameter).abs();
         let given = USUALLY_UNCERTAIN.iter().copied().filter(|parameter| file.given.contains(parameter));
         given
             .filter(|&parameter| sigma(parameter) > 0.0 && sigma(parameter).is_finite())

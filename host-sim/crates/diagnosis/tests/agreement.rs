@@ -1,28 +1,16 @@
 //! Recordings and a machine file that do not belong together are told apart from drives that only lack physics.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use diagnosis::agreement::{Change, Doubt, doubts};
 use diagnosis::base_parameters;
-use machine_file::MachineFile;
+use recording::Signal;
 use recording::seeded_noise::Noise;
-use recording::{Recording, Signal};
-
-/// A folder's machine file and its recordings.
-fn case(folder: &Path, machine: &Path) -> (MachineFile, Vec<Recording>) {
-    let file = machine_file::read(machine).unwrap();
-    let mut paths: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "csv"));
-    paths.sort();
-    let read = |path: &PathBuf| recording::read(path, &file.channels).unwrap();
-    let recordings = paths.iter().map(read).collect();
-    (file, recordings)
-}
 
 /// The shipped example with these changes in all of its recordings.
 fn with(changes: &[Change]) -> Vec<Doubt> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../examples/press-63-40");
-    let (file, mut recordings) = case(&folder, &folder.join("machine.toml"));
+    let (file, mut recordings) = test_press::folder(&folder);
     for recording in &mut recordings {
         for change in changes {
             *recording = change.of(recording, &file.machine);
@@ -82,7 +70,7 @@ fn two_factors_that_were_left_out_are_told_together() {
 fn a_tenth_of_a_position_is_told_where_it_hardly_exceeds_its_noise() {
     // A refit follows it within the noise, by a tenfold bulk modulus and friction and a tenth of the flow.
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../examples/press-63-40");
-    let (file, mut recordings) = case(&folder, &folder.join("machine.toml"));
+    let (file, mut recordings) = test_press::folder(&folder);
     for recording in &mut recordings {
         let mut noise = Noise::new(5, 1);
         let noisy: Vec<f64> = recording

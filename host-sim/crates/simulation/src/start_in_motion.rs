@@ -189,11 +189,7 @@ impl<'a> Beginning<'a> {
     /// Whether a position's sensor with this noise shows that a rod begins with this velocity and not at rest: the oil springs make it
     /// catch up within v/ω.
     fn shows(&self, velocity_m_per_s: f64, noise_m: f64) -> bool {
-        let get = |parameter| self.machine.get(parameter);
-        let stiffness = get(Parameter::BulkModulus)
-            * (get(Parameter::AreaA).powi(2) / get(Parameter::VolumeA)
-                + get(Parameter::AreaB).powi(2) / get(Parameter::VolumeB));
-        let frequency = (stiffness / get(Parameter::MovingMass)).sqrt();
+        let frequency = (self.machine.oil_spring_n_per_m() / self.machine.get(Parameter::MovingMass)).sqrt();
         velocity_m_per_s.abs() > noise_m * frequency
     }
 }

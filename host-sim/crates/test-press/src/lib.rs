@@ -1,9 +1,11 @@
-//! The drive that tests use: a valve on a 63/40 × 300 mm cylinder.
+//! The drive that tests use: a valve on a 63/40 × 300 mm cylinder; and any other, read from its folder.
 #![forbid(unsafe_code)]
 // Results are returned: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
-use machine_file::LoadSource;
+use std::path::{Path, PathBuf};
+
+use machine_file::{LoadSource, MachineFile};
 use model_core::machine::{Machine, Parameter, Source, Tick};
 use recording::seeded_noise::Noise;
 use recording::{Column, Recording, Signal};
@@ -96,4 +98,18 @@ pub fn extending(machine: &Machine<f64>) -> Recording {
         4e-4 * (f64::from(seed >> 8) / f64::from(1 << 24) - 0.5)
     };
     columns(run.signal(Signal::Position).unwrap().iter().map(|position| position + noise()).collect())
+}
+
+/// A folder's machine file and its recordings, in the order of their names.
+///
+/// # Panics
+/// A file that cannot be read.
+#[must_use]
+pub fn folder(path: &Path) -> (MachineFile, Vec<Recording>) {
+    let file = machine_file::read(&path.join("machine.toml")).unwrap();
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "csv"));
+    paths.sort();
+    let recordings = paths.iter().map(|path| recording::read(path, &file.channels).unwrap()).collect();
+    (file, recordings)
 }
