@@ -9,8 +9,10 @@ use identification::compare::judged;
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
 use identification::fit::{
-    Counts, From, effective_samples, fit_with_progress, inflation, level_at_rest, most_evaluations, softened_all,
+    Counts, Fit, FitError, Free, From, StartState, effective_samples, first_search, fit_with_progress, inflation,
+    level_at_rest, most_evaluations, set_tolerances, softened_all,
 };
+use model_core::machine::Machine;
 use recording::{ChannelMap, Recording, Signal};
 use report::{terminal, wording};
 
@@ -66,14 +68,15 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     for doubt in input::doubts(&arguments.machine, &file, &recordings, arguments.as_recorded)? {
         console.note(wording::doubt(&doubt));
     }
-    let mut prepared = Vec::new();
+    let mut prepared: Vec<Prepared> = Vec::new();
     for recording in &recordings {
         let tick = arguments.tick.map(Into::into);
         let case = Prepared::new(recording, &file.machine, file.load_source, tick);
         prepared.push(case.map_err(|cause| failed(cause.into()))?);
     }
-    let cases: Vec<&Prepared> = prepared.iter().collect();
     let free = base_parameters(&file);
+    let near = near(&file.machine, &free, &mut prepared).map_err(|cause| failed(cause.into()))?;
+    let cases: Vec<&Prepared> = prepared.iter().collect();
     console.detail(format_args!(
         "read: {} recordings, {} rows; {} parameters may move",
         cases.len(),
@@ -84,7 +87,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let rows = |case: &Prepared| case.rows() as u64;
     let once: u64 = cases.iter().map(|case| rows(case)).sum();
     let bar = console.at_most(once * most_evaluations(free.len(), cases.len()) as u64, "fitting");
-    let fitted = fit_with_progress(&file.machine, &free, &cases, &From::default(), 1e-8, &|case| bar.inc(rows(case)));
+    let from = From { solution: Some(&near), ..From::default() };
+    let fitted = fit_with_progress(&file.machine, &free, &cases, &from, 1e-8, &|case| bar.inc(rows(case)));
     bar.finish_and_clear();
     let fitted = fitted.map_err(|cause| failed(cause.into()))?;
     file.machine = fitted.machine;
@@ -115,4 +119,15 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         console.note("the search did not converge; these are the best values found");
     }
     Ok(Outcome::Done)
+}
+
+/// A first solution, with the tolerance of every channel at its misfit: residuals far beyond it count linearly in all later fits.
+fn near(machine: &Machine<f64>, free: &[Free], prepared: &mut [Prepared]) -> Result<Fit, FitError> {
+    /// The first search ends when the loss falls by less than this share in a step.
+    const SETTLED: f64 = 1e-3;
+    set_tolerances(machine, prepared, &vec![StartState::default(); prepared.len()])?;
+    let cases: Vec<&Prepared> = prepared.iter().collect();
+    let near = first_search(machine, free, &cases, SETTLED)?;
+    set_tolerances(&near.machine, prepared, &near.starts)?;
+    Ok(near)
 }

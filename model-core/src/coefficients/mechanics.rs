@@ -3,7 +3,7 @@
 use super::Builder;
 use crate::chambers::cavitation::Unsprung;
 use crate::coefficients::bases::{SLIPPERIEST, least_drag, thinnest};
-use crate::machine::{MachineError, Parameter as P};
+use crate::machine::{Bases, Machine, MachineError, Parameter as P};
 use crate::mechanics::end_stop::{Face, Stops};
 use crate::mechanics::friction::{DryFriction, Placed, PlacedDrag, Stribeck};
 use crate::mechanics::lugre::{Bend, Bristles};
@@ -17,6 +17,28 @@ const STEEPEST: f64 = 6e4;
 const AT_REST: f64 = 6.1e-5;
 /// Positions beyond this many strokes are out of a signal's range: no stop is there.
 const OUT_OF_REACH: f64 = 7.9;
+
+impl<R: Real> Machine<R> {
+    /// The largest dry friction of all laws together, each at its largest over the stroke and its seals under as much as the supply's pressure in both
+    /// chambers together, N. It is the unit of the bristles' force.
+    #[must_use]
+    pub fn largest_friction_n(&self, bases: &Bases) -> f64 {
+        let force_n = |of: P| self.get(of).value();
+        let constant_n = force_n(P::CoulombFriction) + force_n(P::PreslidingForce) + force_n(P::StribeckForce);
+        let directed_n = force_n(P::AsymmetricExtending).max(force_n(P::AsymmetricRetracting));
+        let placed_n = force_n(P::PositionFriction)
+            + force_n(P::PositionFrictionSlope).abs()
+            + force_n(P::PositionFrictionBow).abs();
+        let seals_n = force_n(P::PressureFriction) * bases.pressure_pa;
+        constant_n + force_n(P::StribeckExcess) + directed_n + placed_n + seals_n
+    }
+
+    /// Whether dry friction acts through bristles.
+    #[must_use]
+    pub fn has_bristles(&self, bases: &Bases) -> bool {
+        self.get(P::PreslidingStiffness).value() > 0.0 && self.largest_friction_n(bases) > 0.0
+    }
+}
 
 impl<R: Real> Builder<'_, R> {
     /// The mass with which the step gives the oil spring the frequency that the moving mass gives it in reality.
@@ -125,7 +147,11 @@ impl<R: Real> Builder<'_, R> {
 
     fn dry_friction<N: Number<Real = R>>(&self, mass: R) -> Result<DryFriction<N>, MachineError> {
         // With bristles the levels are shares of their reference.
-        let scale = if self.has_bristles() { self.bases.force_n / self.largest_friction() } else { 1.0 };
+        let scale = if self.machine.has_bristles(&self.bases) {
+            self.bases.force_n / self.machine.largest_friction_n(&self.bases)
+        } else {
+            1.0
+        };
         let share = |of: P| self.force(of) * R::constant(scale);
         let force = |of: P| self.signal::<N>("dry friction over full force", of, share(of));
         let alike = share(P::CoulombFriction) + share(P::StribeckForce) + share(P::PreslidingForce);
@@ -179,28 +205,10 @@ impl<R: Real> Builder<'_, R> {
         R::constant(GAMMA * self.tick_s) / (mass * self.own_diagonal(mass))
     }
 
-    /// The largest friction of all laws together, each at its largest over the stroke and its seals under as much as the supply's
-    /// pressure in both chambers together, N.
-    fn largest_friction(&self) -> f64 {
-        let force_n = |of: P| self.get(of).value();
-        let constant_n = force_n(P::CoulombFriction) + force_n(P::PreslidingForce) + force_n(P::StribeckForce);
-        let directed_n = force_n(P::AsymmetricExtending).max(force_n(P::AsymmetricRetracting));
-        let placed_n = force_n(P::PositionFriction)
-            + force_n(P::PositionFrictionSlope).abs()
-            + force_n(P::PositionFrictionBow).abs();
-        let seals_n = force_n(P::PressureFriction) * self.bases.pressure_pa;
-        constant_n + force_n(P::StribeckExcess) + directed_n + placed_n + seals_n
-    }
-
-    /// Whether dry friction acts through bristles.
-    fn has_bristles(&self) -> bool {
-        self.get(P::PreslidingStiffness).value() > 0.0 && self.largest_friction() > 0.0
-    }
-
     fn resistance<N: Number<Real = R>>(&self, mass: R) -> Result<Option<Resistance<N>>, MachineError> {
         let load = self.is_on(&[P::LoadSpring, P::LoadSpringForce, P::LoadSpringBow]);
         let stops = self.is_on(&[P::StopStiffness, P::StopDamping]);
-        let bristles = self.has_bristles();
+        let bristles = self.machine.has_bristles(&self.bases);
         let drag = self.is_on(&[P::PositionDragSlope, P::PositionDragBow]);
         let warms = self.is_on(&[P::ViscosityLoss, P::ViscosityLossPerKelvin]);
         if !(load || stops || bristles || warms || drag) {
@@ -290,7 +298,7 @@ impl<R: Real> Builder<'_, R> {
     }
 
     fn bristles<N: Number<Real = R>>(&self, mass: R) -> Result<Bristles<N>, MachineError> {
-        let reference_n = self.largest_friction();
+        let reference_n = self.machine.largest_friction_n(&self.bases);
         // Per stiffness: the bend of a tick at velocity 1, and the part that is solved on the mass.
         let bend = self.tick_s * self.bases.velocity_m_per_s / reference_n;
         let weight = R::constant(GAMMA * self.tick_s) * self.weight(mass);

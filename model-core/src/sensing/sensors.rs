@@ -101,6 +101,12 @@ impl<N: Number, const DELAY: usize> SensedState<N, DELAY> {
         let origin = N::of_travel(position);
         Self { origin, played: origin, behind: N::ZERO, line: [origin; DELAY], head: 0, position: origin }
     }
+
+    /// The rod has moved evenly for longer than the lag: its output differs by this from the position, strokes.
+    pub fn trail(&mut self, behind: N) {
+        let reading = self.played + behind;
+        (self.behind, self.position, self.line) = (behind, reading, [reading; DELAY]);
+    }
 }
 
 impl<N: Number> Sensors<N> {

@@ -255,8 +255,8 @@ pub fn improved(
     }
     let Some((net, candidate, quantity, over)) = best else { return Ok(None) };
     // The held-out recordings take no part in the choice.
-    let confirmation = confirm(&base.fit.machine, &candidate.fit.machine, held)?;
-    if !confirmation.gains() || !fits_better(&base.fit.machine, &candidate.fit.machine, held)? {
+    let confirmation = confirm(base, &candidate, question.training, held)?;
+    if !confirmation.gains_as_promised() || !fits_better(&base.fit.machine, &candidate.fit.machine, held)? {
         return Ok(None);
     }
     let mut values = candidate.estimates(question)?;

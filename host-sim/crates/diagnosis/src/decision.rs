@@ -46,7 +46,7 @@ pub(crate) fn decide(
     if chosen.effects.is_empty() {
         return Decision::without(question, selection, vetoed, None);
     }
-    let confirmation = confirm(&selection.base.fit.machine, &chosen.fit.machine, held)?;
+    let confirmation = confirm(&selection.base, chosen, question.training, held)?;
     if !held.is_empty() && !confirmation.confirms() {
         vetoed.extend(chosen.effects.iter().map(|chosen| chosen.effect));
         return Decision::without(question, selection, vetoed, Some(confirmation));

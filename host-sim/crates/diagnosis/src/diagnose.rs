@@ -18,6 +18,7 @@ use crate::before_after::show_all;
 use crate::catalogue::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::correction_table::improved;
 use crate::decision::{Decision, decide};
+use crate::finding::Finding;
 use crate::localisation::locate::locate;
 use crate::localisation::{Case, Miss, Sought, misses};
 use crate::outcome::{Diagnosis, Verdict};
@@ -27,6 +28,7 @@ use crate::selection::excerpt::Excerpt;
 use crate::selection::forward::select;
 use crate::selection::screen::Lead;
 use crate::selection::{Candidate, Question, Selection, lengthened};
+use crate::settled_valve::SettledValve;
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
@@ -103,24 +105,28 @@ pub fn diagnose(
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     check_entries(&trained, &held)?;
 
+    let free = base_parameters(file);
+    let valve = SettledValve::of(&file.machine, &free, &trained)?;
+    let machine = valve.as_ref().map_or(&file.machine, |valve| &valve.machine);
+    let base_parameters = valve.as_ref().map_or(free.as_slice(), |valve| &valve.free);
     let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
     let scene = Scene {
-        machine: &file.machine,
+        machine,
         input_point: first.stimulus.input_point,
         load: file.load_source,
         judged: &judged,
-        travel_m: travelled(&file.machine, &trained),
+        travel_m: travelled(machine, &trained),
         duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
-        lowest_pa: lowest_pressure(&file.machine, &trained)?,
+        lowest_pa: lowest_pressure(machine, &trained)?,
     };
-    let base_parameters = base_parameters(file);
     let (hypotheses, not_testable): (Vec<_>, Vec<_>) = CATALOGUE
         .iter()
         .copied()
-        .filter(|hypothesis| !hypothesis.is_on(&file.machine, &base_parameters) && hypothesis.is_reached(&scene))
+        .filter(|hypothesis| !hypothesis.is_on(&file.machine, &free) && hypothesis.is_reached(&scene))
+        .filter(|hypothesis| valve.is_none() || hypothesis.subsystem != Subsystem::Valve)
         .partition(|hypothesis| hypothesis.is_testable(&scene));
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
-    let asked = Asked { scene: &scene, base_parameters: &base_parameters, hypotheses: &hypotheses };
+    let asked = Asked { scene: &scene, base_parameters, hypotheses: &hypotheses };
     let mut selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;
 
     let references: Vec<&Prepared> = trained.iter().collect();
@@ -128,14 +134,7 @@ pub fn diagnose(
     let Decision { findings, not_confirmed, confirmation, after, estimates } =
         decide(&asked.of(&references), &mut selection, &opened)?;
     let base = &selection.base.fit;
-    let above_noise = selection.base.worst_over_noise(&asked.of(&references)) > UNEXPLAINED_FROM;
-    let verdict = if !findings.is_empty() {
-        Verdict::MissingPhysics
-    } else if above_noise {
-        Verdict::Unexplained
-    } else {
-        Verdict::NothingMissing
-    };
+    let verdict = verdict(&findings, selection.base.worst_over_noise(&asked.of(&references)));
     // Where and how it looks is told by what was searched.
     let (recordings, searched) = match &excerpt {
         Some(excerpt) => (excerpt.recordings.as_slice(), excerpt.cases.iter().collect()),
@@ -180,8 +179,7 @@ pub fn diagnose(
     let left = above_noise_by(&after, &references)?;
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
     let shown = show_all(trained, held, base, &after.fit)?;
-    let is_base_parameter =
-        |estimate: &Estimate| base_parameters.iter().any(|free| free.parameter == estimate.parameter);
+    let of_spool = valve.map(|valve| valve.estimates).unwrap_or_default();
     Ok(Diagnosis {
         machine: file.name.clone(),
         doubts: Vec::new(),
@@ -193,7 +191,8 @@ pub fn diagnose(
         not_confirmed,
         unnamed,
         confirmation,
-        refitted: estimates.into_iter().filter(is_base_parameter).collect(),
+        refitted: of_base(&free, of_spool.into_iter().chain(estimates)),
+        base_parameters: free,
         correlated: after.correlations(),
         shown,
         machine_after: after.fit.machine,
@@ -201,6 +200,24 @@ pub fn diagnose(
         not_testable,
         selection,
     })
+}
+
+/// How it ended: by what was found, and how many times its noise the worst signal of the base model is off.
+fn verdict(findings: &[Finding], over_noise: f64) -> Verdict {
+    if !findings.is_empty() {
+        Verdict::MissingPhysics
+    } else if over_noise > UNEXPLAINED_FROM {
+        Verdict::Unexplained
+    } else {
+        Verdict::NothingMissing
+    }
+}
+
+/// The estimates of base parameters, in their order.
+fn of_base(free: &[Free], estimates: impl Iterator<Item = Estimate>) -> Vec<Estimate> {
+    let estimates: Vec<Estimate> = estimates.collect();
+    let of = |free: &Free| estimates.iter().find(|estimate| estimate.parameter == free.parameter).copied();
+    free.iter().filter_map(of).collect()
 }
 
 /// What is asked of the recordings, whichever part of them is looked at.

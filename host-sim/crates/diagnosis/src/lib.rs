@@ -19,6 +19,7 @@ pub mod localisation;
 mod outcome;
 mod pressure_zero;
 pub mod selection;
+mod settled_valve;
 #[cfg(test)]
 mod test_scene;
 

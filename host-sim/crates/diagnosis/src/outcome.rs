@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use identification::experiment::Prepared;
-use identification::fit::{Correlation, Estimate};
+use identification::fit::{Correlation, Estimate, Free};
 use model_core::machine::Machine;
 use recording::Signal;
 use simulation::Trajectory;
@@ -52,6 +52,8 @@ pub struct Diagnosis {
     pub confirmation: Option<Confirmation>,
     /// What was doubtful about the recordings for this drive before anything was searched, where that was asked ([`crate::agreement::doubts`]).
     pub doubts: Vec<Doubt>,
+    /// Base parameters that could move, with their priors.
+    pub base_parameters: Vec<Free>,
     /// Base parameters that were refitted (with the effects, if any).
     pub refitted: Vec<Estimate>,
     /// Pairs of fitted base or effect parameters whose estimates are correlated; the strongest correlation first.
@@ -128,7 +130,7 @@ impl Diagnosis {
     /// Refitted base parameters far from where the machine file says they are.
     #[must_use]
     pub fn far_values(&self) -> Vec<FarValue> {
-        far_values(&self.selection.base.fit.free, &self.refitted)
+        far_values(&self.base_parameters, &self.refitted)
     }
 
     /// What the model before is called in reports: it is the only model where nothing changes.

@@ -144,7 +144,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
     match diagnosis.verdict {
         Verdict::MissingPhysics => {
             let effects: Vec<_> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
-            let confirmed = match diagnosis.confirmation {
+            let confirmed = match &diagnosis.confirmation {
                 Some(confirmation) => {
                     format!("confirmed on {} of {} held-out recordings", confirmation.improved, confirmation.recordings)
                 }

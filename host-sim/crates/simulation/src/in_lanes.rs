@@ -92,6 +92,10 @@ impl<'a> InLanes<'a> {
         let pressures = ChamberState { a: packed(|of| within(of.pressures.a)), b: packed(|of| within(of.pressures.b)) };
         let mut state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
         state.motion.velocity = packed(|of| f64::saturated(of.velocity));
+        state.motion.bristles = packed(|of| within(of.bristles));
+        if initial_states.iter().any(|of| of.velocity != 0.0) {
+            state.sensed.trail(packed(|of| within(of.sensed_beyond)));
+        }
         if initial_states.iter().any(|of| of.valve.is_some()) {
             let settled = state.valve.spool().values();
             let valve = |lane: usize, value: fn(&ValveOnItsWay<f64>) -> f64| {

@@ -16,10 +16,14 @@ pub struct Start {
     pub pressures_pa: Option<(f64, f64)>,
     /// Position, m.
     pub position_m: f64,
+    /// Measured external force, N; 0 where there is none.
+    pub load_n: f64,
     /// Velocity, m/s; 0 where the recording does not show that the rod moves.
     pub velocity_m_per_s: f64,
     /// The spool, where it is measured and is not where the command would hold it after a long time.
     pub spool: Option<SpoolAtStart>,
+    /// What the sensor of a spool reads that has settled at the command, 1: within the valve's hysteresis it may rest anywhere.
+    pub settled: Option<f64>,
     /// Time after which a state that no sensor shows has settled, s; 0 where nothing is unknown.
     pub unknown_for_s: f64,
 }
@@ -28,7 +32,16 @@ impl Start {
     /// A drive at rest, its valve settled at the command.
     #[must_use]
     pub const fn at_rest(command_v: f64, pressures_pa: Option<(f64, f64)>, position_m: f64) -> Self {
-        Self { command_v, pressures_pa, position_m, velocity_m_per_s: 0.0, spool: None, unknown_for_s: 0.0 }
+        Self {
+            command_v,
+            pressures_pa,
+            position_m,
+            load_n: 0.0,
+            velocity_m_per_s: 0.0,
+            spool: None,
+            settled: None,
+            unknown_for_s: 0.0,
+        }
     }
 }
 
@@ -62,6 +75,7 @@ pub(crate) fn start(mended: &Mended<'_>, machine: &Machine<f64>, input_point: In
     Start {
         velocity_m_per_s: motion.velocity_m_per_s,
         spool: motion.spool,
+        settled: began(Signal::Spool).filter(|_| motion.spool.is_none() && input_point == InputPoint::Command),
         unknown_for_s: motion.unknown_for_s,
         ..Start::at_rest(command.map_or(0.0, |command| command[0]), pressures_pa, position_m)
     }

@@ -24,20 +24,6 @@ use simulation::{DELAY_LINE, simulate_f64};
 
 use super::case::Case;
 
-/// Parameters of the valve alone.
-pub(crate) const OF_VALVE: &[Parameter] = &[
-    Parameter::ValveGain,
-    Parameter::ValveOffset,
-    Parameter::RateLimit,
-    Parameter::TimeConstant1,
-    Parameter::TimeConstant2,
-    Parameter::NaturalFrequency,
-    Parameter::SpoolDamping,
-    Parameter::SpoolSpeedLimit,
-    Parameter::SpeedOverdrive,
-    Parameter::TransportDelay,
-];
-
 /// The flow link at one row, with its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowFlow {

@@ -3,14 +3,14 @@
 use nalgebra::DVector;
 
 use identification::experiment::Prepared;
-use identification::fit::{Fit, Free, Freedom, From, StartState, fit};
+use identification::fit::{Fit, Free, Freedom, From, OF_VALVE, StartState, fit};
 use machine_file::LoadSource;
 use model_core::machine::{Machine, MachineError, Parameter};
 use recording::{Recording, Signal};
 use simulation::signal::window::{WINDOW_S, Window};
 use simulation::{InputPoint, simulate_f64};
 
-use super::balances::{Balance, Coefficients, OF_VALVE, Observed, residuals, spool_residuals};
+use super::balances::{Balance, Coefficients, Observed, residuals, spool_residuals};
 use super::case::Case;
 use super::lack_patterns::{patterns, wrong_parameters};
 use super::link_evidence::{Account, Evidence, Lack, Pattern, weigh};

@@ -2,17 +2,19 @@
 
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
-use identification::fit::{settle, softened, standardised};
-use model_core::machine::{Machine, MachineError};
+use identification::fit::{loss, settle, softened, standardised};
+use model_core::machine::MachineError;
 use recording::Signal;
 
+use super::candidate::Candidate;
 use super::decision_rule::{
-    FIT_ABOVE_PERCENT, MOSTLY_NOISE_PERCENT, ONE_GAINS_OF, SIGNAL_MAY_LOSE, SIGNAL_MAY_LOSE_SHARE,
+    AT_NOISE, FEW_RECORDINGS, FIT_ABOVE_PERCENT, MOSTLY_NOISE_PERCENT, ONE_GAINS_OF, PROMISE_KEPT, RECORDINGS_EXCUSED,
+    SIGNAL_MAY_LOSE, SIGNAL_MAY_LOSE_SHARE,
 };
 use super::likelihood::gained;
 
 /// What the held-out recordings say about a choice.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Confirmation {
     /// Log-likelihood gained over the base on all held-out recordings.
     pub gain: f64,
@@ -24,6 +26,10 @@ pub struct Confirmation {
     pub improved: usize,
     /// Number of held-out recordings.
     pub recordings: usize,
+    /// Share of the misfit above noise that the effects take away in training.
+    pub promised: f64,
+    /// The same of each held-out recording on which the base misses more than noise.
+    pub explained: Vec<f64>,
 }
 
 impl Confirmation {
@@ -38,11 +44,47 @@ impl Confirmation {
         self.recordings > 0 && self.gain > 0.0 && ONE_GAINS_OF * self.improved >= self.recordings
     }
 
-    /// Whether they confirm it: they gain, and the model follows no signal worse than its mean would.
+    /// Whether they confirm it: they gain what was promised, and the model follows no signal worse than its mean would.
     #[must_use]
     pub fn confirms(&self) -> bool {
-        self.gains() && self.least_fit_percent > FIT_ABOVE_PERCENT
+        self.gains_as_promised() && self.least_fit_percent > FIT_ABOVE_PERCENT
     }
+
+    /// Whether they gain by it, and as much as was promised.
+    #[must_use]
+    pub fn gains_as_promised(&self) -> bool {
+        self.gains() && self.keeps_promise()
+    }
+
+    /// Whether it explains there what it explains of the training recordings: on each recording that has something to explain, but one of many.
+    #[must_use]
+    pub fn keeps_promise(&self) -> bool {
+        let broken = self.explained.iter().filter(|explained| **explained < PROMISE_KEPT * self.promised).count();
+        broken <= if self.explained.len() > FEW_RECORDINGS { RECORDINGS_EXCUSED } else { 0 }
+    }
+}
+
+/// Squares of the residuals over noise beyond those of noise alone, at least 0, of all signals; and whether any signal is above its noise.
+fn above_noise(residuals: &[Vec<f64>]) -> (f64, bool) {
+    let each =
+        || residuals.iter().filter(|series| !series.is_empty()).map(|series| (loss(series), series.len() as f64));
+    let is_above = each().any(|(square, rows)| square > AT_NOISE * AT_NOISE * rows);
+    (each().map(|(square, rows)| (square - rows).max(0.0)).sum(), is_above)
+}
+
+/// The share of the misfit above noise that one model takes away from another; 0 where there is none.
+fn explained(before: f64, after: f64) -> f64 {
+    if before > 0.0 { 1.0 - after / before } else { 0.0 }
+}
+
+/// What a candidate model promises over one with fewer effects.
+fn promised(without: &Candidate, with: &Candidate, training: &[&Prepared]) -> Result<f64, MachineError> {
+    let left = |candidate: &Candidate| -> Result<f64, MachineError> {
+        let cases = training.iter().zip(&candidate.fit.starts);
+        let all = cases.map(|(case, start)| standardised(&candidate.fit.machine, case, *start));
+        all.map(|residuals| Ok(above_noise(&residuals?).0)).sum()
+    };
+    Ok(explained(left(without)?, left(with)?))
 }
 
 /// Adds an amount to the sum of a signal.
@@ -53,19 +95,26 @@ pub(super) fn add(signals: &mut Vec<(Signal, f64)>, signal: Signal, amount: f64)
     }
 }
 
-/// What held-out recordings gain by a machine over a base.
+/// What held-out recordings gain by a candidate model over one with fewer effects, both fitted to the training recordings.
 pub fn confirm(
-    base: &Machine<f64>,
-    chosen: &Machine<f64>,
+    without: &Candidate,
+    with: &Candidate,
+    training: &[&Prepared],
     held_out: &[&Prepared],
 ) -> Result<Confirmation, MachineError> {
+    let (base, chosen) = (&without.fit.machine, &with.fit.machine);
     let mut improved = 0;
     let mut signals: Vec<(Signal, f64)> = Vec::new();
     let mut least_fit_percent = 100.0_f64;
+    let mut shares = Vec::new();
     for case in held_out {
-        let before = softened(base, case, settle(base, case)?)?;
-        let start = settle(chosen, case)?;
-        let (after, missed) = (softened(chosen, case, start)?, standardised(chosen, case, start)?);
+        let (from, start) = (settle(base, case)?, settle(chosen, case)?);
+        let (missed_before, missed) = (standardised(base, case, from)?, standardised(chosen, case, start)?);
+        let (before, after) = (softened(base, case, from)?, softened(chosen, case, start)?);
+        let (misfit, is_above) = above_noise(&missed_before);
+        if is_above {
+            shares.push(explained(misfit, above_noise(&missed).0));
+        }
         let mut total = 0.0;
         for ((channel, missed), (before, after)) in case.channels.iter().zip(&missed).zip(before.iter().zip(&after)) {
             let gain = gained(before, after, counts_from(case.stimulus.input_point));
@@ -84,5 +133,7 @@ pub fn confirm(
         least_fit_percent,
         improved,
         recordings: held_out.len(),
+        promised: promised(without, with, training)?,
+        explained: shares,
     })
 }

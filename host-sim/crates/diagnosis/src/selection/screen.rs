@@ -6,7 +6,7 @@ use identification::parallel;
 use identification::fit::{Change, Fit, Free, Freedom, Sensitivity, Settled, Simulated};
 use model_core::machine::{Machine, MachineError, Parameter};
 
-use crate::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene};
+use crate::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene, tolerance};
 
 /// A form of an effect at the point of its range with the largest predicted gain.
 #[derive(Clone, Debug)]
@@ -225,6 +225,13 @@ pub fn screen(
     Ok(weighings.iter().enumerate().map(by).collect())
 }
 
+/// Whether an amount is beyond what the drive has within its tolerance anyway: less is no effect.
+fn is_beyond_tolerance(free: &[Free], form: Form, values: &[(Parameter, f64)]) -> bool {
+    let value = |of: Parameter| values.iter().find(|(parameter, _)| *parameter == of).map_or(0.0, |(_, value)| *value);
+    let mut amounts = amounts(form).peekable();
+    amounts.peek().is_none() || amounts.any(|amount| value(amount.parameter).abs() > tolerance(free, amount.parameter))
+}
+
 /// The best of the promising points of every form, by simulation at the point itself.
 fn best(
     scene: &Scene<'_>,
@@ -233,6 +240,15 @@ fn best(
     forms: &[(&'static Hypothesis, Form)],
     predicted_gain: Vec<&PredictedGain>,
 ) -> Vec<Lead> {
+    let is_beyond = |predicted: &&PredictedGain| {
+        let form = forms[predicted.form].1;
+        let amounts = amounts(form).zip(&predicted.shares);
+        let values: Values = amounts
+            .map(|(amount, share)| (amount.parameter, taken_up(fit, amount) + share * amount.unit(scene)))
+            .collect();
+        is_beyond_tolerance(&fit.free, form, &values)
+    };
+    let predicted_gain: Vec<&PredictedGain> = predicted_gain.into_iter().filter(is_beyond).collect();
     let mut gains: Vec<f64> = predicted_gain.iter().map(|predicted| predicted.gain).collect();
     gains.sort_by(|a, b| b.total_cmp(a));
     let least = gains.first().map_or(0.0, |most| WORTHWHILE * most).max(gains.get(MOST_TRIED).copied().unwrap_or(0.0));
@@ -245,6 +261,7 @@ fn best(
     let mut best: Vec<Option<Lead>> = vec![None; forms.len()];
     for (index, lead) in leads {
         if let Some(lead) = lead
+            && is_beyond_tolerance(&fit.free, lead.form, &lead.values)
             && best[index].as_ref().is_none_or(|known| known.gain < lead.gain)
         {
             best[index] = Some(lead);

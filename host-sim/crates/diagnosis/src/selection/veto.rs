@@ -38,12 +38,13 @@ impl Selection {
             let (fewer, effect) = (self.chosen.without(question, index)?, self.chosen.effects[index].effect);
             let (without, with) = (&fewer.fit.machine, &self.chosen.fit.machine);
             let is_hidden = self.chosen.worst_over_noise(question) > OWN_SIDE_FROM;
-            let told = confirm(without, with, held_out)?;
+            let told = confirm(&fewer, &self.chosen, question.training, held_out)?;
             let gains = told.gains()
                 || (told.gains_in_all() && {
                     let left = |machine: &Machine<f64>| left(machine, held_out);
                     is_by_form(&left(&self.base.fit.machine)?, &left(without)?, &left(with)?)
                 });
+            let gains = gains && told.keeps_promise();
             let gains = gains || (is_hidden && gains_on_own_side(question, &self.chosen, effect, held_out)?);
             if !(gains || self.is_found_by_jumps(effect)) {
                 refused.push(effect);

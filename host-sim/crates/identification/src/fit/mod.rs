@@ -8,6 +8,7 @@
 
 pub mod coarse;
 mod correlation;
+mod first_search;
 mod initial_state;
 mod jacobian;
 mod kept_jacobian;
@@ -26,6 +27,7 @@ use crate::experiment::Prepared;
 
 pub use coarse::coarse;
 pub use correlation::{CORRELATED, Correlation};
+pub use first_search::{OF_VALVE, first_search, moves_spool, spool_alone};
 pub use initial_state::{StartState, level_at_rest, settle};
 pub use levenberg_marquardt::Progress;
 pub use normal_equations::NormalEquations;
@@ -203,6 +205,12 @@ impl Free {
     pub fn at_bound(&self, coordinate: f64) -> bool {
         let ((least, most), value) = (self.ends(), self.value(coordinate));
         value <= least || value >= most
+    }
+
+    /// Standard deviation of the prior about a value, in the parameter's unit.
+    #[must_use]
+    pub fn deviation_at(&self, value: f64) -> f64 {
+        self.slope(self.coordinate(value)).abs()
     }
 
     /// Derivative of the value with respect to the coordinate; 0 where the value is held at an end of its range.

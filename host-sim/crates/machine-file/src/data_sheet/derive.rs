@@ -338,6 +338,8 @@ impl Derived {
         if size.overlap < ZERO_LAP && !size.pump {
             let (whole, why) = ("effects.valve-leakage.reach", "rounded edges: a hundredth of the travel");
             roughly("effects.valve-leakage", "reach", whole, 0.01 * size.rated, why);
+            let (whole, why) = ("effects.flow-gain-nonlinearity.notch", "the region about null: 3 % of the travel");
+            roughly("effects.flow-gain-nonlinearity", "notch", whole, 0.03 * size.rated, why);
         }
         let (whole, why) = ("effects.stribeck-friction.velocity_m_per_s", "seals break away below about 10 mm/s");
         roughly("effects.stribeck-friction", "velocity_m_per_s", whole, 0.01, why);

@@ -5,7 +5,9 @@
 //!
 //! Sources: edges and overlaps of a ground spool in its bushing, Merritt, *Hydraulic Control Systems*, 1967, ch. 5; seals, catalogues of cylinders
 //! and seals (low friction 1 to 3 % of the force, standard up to 5 %), ISO 10100; sensors, usual accuracy class of 0.3 % of full scale, and full scale
-//! up to 2.5 times the supply; hoses, SAE J517 hoses of 0.2 to 0.6 GPa; air, 0.1 to 0.5 % of free air in a filled system and up to 1 %.
+//! up to 2.5 times the supply; flow gain about null, 50 to 200 % of nominal, ISO 10770-1 and catalogues of servo valves; hysteresis of valves without
+//! a sensor at the spool, catalogues (3 to 5 %, with dither less); hoses, SAE J517 hoses of 0.2 to 0.6 GPa; air, 0.1 to 0.5 % of free air in a filled system and up to
+//! 1 %.
 
 use super::derive::Sigma;
 
@@ -37,11 +39,18 @@ const PRESSURE_OFFSET: f64 = 0.0075;
 const SOFTEST_HOSE_PA: f64 = 0.2e9;
 /// A valve of less overlap than this may be open at its centre.
 pub(super) const ZERO_LAP: f64 = 0.03;
+/// A valve of more overlap than this is made for mobile machines or without a sensor at its spool.
+const MUCH_OVERLAP: f64 = 0.2;
 
 impl Size {
     /// Every tolerance of this drive.
     pub(super) fn tolerances(&self) -> Vec<Sigma> {
         let Self { supply_pa, force_n, flow_m3_per_s, rated, dead_m3, .. } = *self;
+        let (hysteresis, hysteresis_why) = if self.overlap > MUCH_OVERLAP {
+            (0.025, "a valve of such overlap mostly has no sensor at its spool: some per cent")
+        } else {
+            (0.012, "a spool with a sensor of its own: about 1 %")
+        };
         let mut all = vec![
             ("effects.entrained-air.share", 0.01, "oil in service holds 0.1 to 1 % of free air"),
             (
@@ -67,7 +76,7 @@ impl Size {
             ));
         } else {
             all.extend([
-                ("effects.valve-hysteresis.width", 0.012 * rated, "a spool with a sensor of its own: about 1 %"),
+                ("effects.valve-hysteresis.width", hysteresis * rated, hysteresis_why),
                 ("effects.dead-zone-asymmetry.difference", 0.03 * rated, "overlaps alike within 3 % of travel"),
                 ("effects.metering-asymmetry.ratio", EDGES, "edges alike within 5 %, and areas"),
                 ("effects.metering-asymmetry.ports", EDGES, "the same"),
@@ -85,7 +94,10 @@ impl Size {
                 ("effects.sensor-offset.spool", 5e-3 * rated, "0.3 % of full scale, and the neutral"),
             ]);
             if self.overlap < ZERO_LAP {
-                all.push(("effects.valve-leakage.opening", 0.02 * rated, "edges of a zero-lapped valve are rounded"));
+                all.extend([
+                    ("effects.valve-leakage.opening", 0.02 * rated, "edges of a zero-lapped valve are rounded"),
+                    ("effects.flow-gain-nonlinearity.beyond", 0.6, "about null, half to twice the gain of further out"),
+                ]);
             }
         }
         let listed = all.into_iter().filter(|(_, value, _)| *value > 0.0 && value.is_finite());

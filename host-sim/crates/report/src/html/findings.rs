@@ -66,7 +66,7 @@ pub(crate) fn how_sure(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
         section {
             h2 { "How sure" }
             @for finding in &diagnosis.findings { (sureness(finding, exhibits)) }
-            @if let Some(confirmation) = diagnosis.confirmation {
+            @if let Some(confirmation) = &diagnosis.confirmation {
                 p { "Held-out recordings, opened after the choice: better on " (confirmation.improved) " of " (confirmation.recordings) "." }
             } @else if !diagnosis.findings.is_empty() {
                 p { "No recording was held out to confirm it." }

@@ -7,6 +7,7 @@ use diagnosis::catalogue::short_name;
 use diagnosis::correction_table::{Axis, Unnamed};
 use diagnosis::localisation::Habit;
 use diagnosis::localisation::error_shape::Shape;
+use diagnosis::selection::Confirmation;
 use diagnosis::{Diagnosis, Finding};
 
 use super::evidence;
@@ -58,7 +59,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "suspected": diagnosis.suspected.map(|effect| effect.name),
         "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, exhibits, finding)).collect::<Vec<_>>(),
         "unnamed": diagnosis.unnamed.as_ref().map(unnamed),
-        "confirmed": diagnosis.confirmation.map(|confirmation| confirmation.confirms()),
+        "confirmed": diagnosis.confirmation.as_ref().map(Confirmation::confirms),
         "still_above_noise": diagnosis.left.iter().map(|miss| {
             json!({ "signal": miss.signal.name(), "rmse_over_noise": digits(miss.over_noise, 3) })
         }).collect::<Vec<_>>(),

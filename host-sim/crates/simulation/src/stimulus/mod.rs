@@ -166,10 +166,12 @@ impl Stimulus {
         } else {
             recording.signal(Signal::LoadForce).map(|force| grid.points(force))
         };
+        let start = start(mended, machine, input_point);
+        let load_at_start_n = load_n.as_ref().and_then(|load_n| load_n.first()).copied();
         Ok(Self {
             input_point,
             tick,
-            start: start(mended, machine, input_point),
+            start: Start { load_n: load_at_start_n.unwrap_or(start.load_n), ..start },
             ticks: grid.ticks,
             input,
             spool,

@@ -1,8 +1,9 @@
 //! Refits of a candidate model: to the end at the recordings' own tick, rougher ones at twice the tick.
 
 use identification::experiment::Prepared;
-use identification::fit::{Fit, FitError, Free, From, Sensitivity, StartState, coarse, fit, loss, softened_all};
-use identification::parallel;
+use identification::fit::{
+    Fit, FitError, Free, From, Sensitivity, StartState, coarse, first_search, fit, loss, softened_all,
+};
 use model_core::machine::{Machine, Parameter};
 
 use super::{Candidate, Chosen, Question, effect_parameters};
@@ -67,15 +68,12 @@ impl Candidate {
         precision: f64,
     ) -> Result<Self, FitError> {
         let searched = |training: &[&Prepared]| {
-            let from_there = |coordinates: &[(Parameter, f64)]| {
-                let from = From { solution, coordinates, moved: &[] };
-                fit(question.scene.machine, question.base_parameters, training, &from, precision)
+            let (machine, free) = (question.scene.machine, question.base_parameters);
+            let found = match solution {
+                Some(_) => fit(machine, free, training, &From { solution, ..From::default() }, precision)?,
+                None => first_search(machine, free, training, precision)?,
             };
-            let starts =
-                if solution.is_some() { vec![Vec::new()] } else { cases_of_structure(question.base_parameters) };
-            let found = parallel::try_each(starts, |start| from_there(&start))?;
-            let best = found.into_iter().min_by(|a, b| a.loss.total_cmp(&b.loss)).expect("there is at least one start");
-            Self::of(question, Vec::new(), best, Vec::new(), precision <= PRECISION)
+            Self::of(question, Vec::new(), found, Vec::new(), precision <= PRECISION)
         };
         if precision <= PRECISION {
             return searched(question.training);
@@ -154,19 +152,6 @@ impl Candidate {
         let from = From { solution: Some(&solution), ..From::default() };
         Ok(fit(&machine, &self.fit.free, &others, &from, SETTLED)?.machine)
     }
-}
-
-/// A spool that can be pulled this many times harder than its largest speed takes is limited in its speed alone.
-const OVERDRIVEN: f64 = 20.0;
-
-/// Starts of a first search for a machine of unknown structure: nobody knows whether the speed of a spool is limited or the pull on it, and from
-/// one of these a search does not come to the other.
-fn cases_of_structure(base_parameters: &[Free]) -> Vec<Vec<(Parameter, f64)>> {
-    let overdriven = base_parameters.iter().find(|free| free.parameter == Parameter::SpeedOverdrive);
-    overdriven.map_or_else(
-        || vec![Vec::new()],
-        |free| [1.0 / OVERDRIVEN, OVERDRIVEN].map(|value| vec![(free.parameter, free.coordinate(value))]).into(),
-    )
 }
 
 /// What a fit moves: the base parameters, and every effect parameter with a usable derivative. An effect takes over what covers its own amounts

@@ -1,13 +1,11 @@
 //! The two sides of a recorded spool, and what belongs to each.
 
 use identification::experiment::Prepared;
-use identification::fit::Free;
-use model_core::effects::Link;
+use identification::fit::{Free, moves_spool};
 use model_core::machine::Parameter;
 use recording::Signal;
 
 use crate::catalogue::{Hypothesis, Subsystem};
-use crate::localisation::balances::OF_VALVE;
 use crate::selection::candidate::Question;
 use crate::selection::decision_rule::{BELOW_SPOOL_SEARCHED_TO, VALVE_SEARCHED_TO};
 
@@ -26,10 +24,7 @@ impl Side {
     }
 
     fn of_parameter(parameter: Parameter) -> Self {
-        let is_of_valve = parameter.effect().is_some_and(|effect| effect.link() == Link::Valve)
-            || matches!(parameter, Parameter::SpoolOffset | Parameter::SpoolFactor)
-            || OF_VALVE.contains(&parameter);
-        if is_of_valve { Self::Valve } else { Self::Below }
+        if moves_spool(parameter) { Self::Valve } else { Self::Below }
     }
 
     pub(super) fn of_effect(effect: &Hypothesis) -> Self {

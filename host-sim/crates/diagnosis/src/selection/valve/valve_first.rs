@@ -125,7 +125,10 @@ pub(crate) fn gains_on_own_side(
         || candidate.only(&own, |one| of_side(one) && one.name != effect.name),
     );
     let (with, without) = (with?, without?);
-    Ok(with.is_plausible(&own) && confirm(&without.fit.machine, &with.fit.machine, &held_out)?.gains())
+    if !with.is_plausible(&own) {
+        return Ok(false);
+    }
+    Ok(confirm(&without, &with, own.training, &held_out)?.gains_as_promised())
 }
 
 impl Course {
