@@ -96,7 +96,7 @@ impl Size {
             if self.overlap < ZERO_LAP {
                 all.extend([
                     ("effects.valve-leakage.opening", 0.02 * rated, "edges of a zero-lapped valve are rounded"),
-                    ("effects.flow-gain-nonlinearity.beyond", 0.6, "about null, half to twice the gain of further out"),
+                    ("effects.flow-gain-nonlinearity.beyond", 1.0, "about null, half to twice the gain of further out"),
                 ]);
             }
         }
