@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use diagnosis::agreement::far_values;
+use diagnosis::agreement::{far_values, tolerated};
 use diagnosis::localisation::{Miss, misses};
 use diagnosis::{DiagnoseError, base_parameters};
 use identification::compare::judged;
@@ -99,6 +99,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     console.print(terminal::parameters(&estimates))?;
     for far in wording::far_values(&far_values(&free, &estimates)) {
         console.print(format_args!("far value: {far}"))?;
+    }
+    for used in wording::used_up(&tolerated(&free, &estimates)) {
+        console.print(format_args!("tolerance: {used}"))?;
     }
     if let Some(pairs) = terminal::correlated(&fitted.correlations(inflation)) {
         console.print(pairs)?;

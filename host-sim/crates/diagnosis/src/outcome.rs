@@ -9,7 +9,7 @@ use recording::Signal;
 use simulation::Trajectory;
 use simulation::figures_of_merit::SignalFit;
 
-use crate::agreement::{Doubt, FarValue, far_values};
+use crate::agreement::{Doubt, FarValue, Tolerated, far_values, tolerated};
 use crate::catalogue::Hypothesis;
 use crate::correction_table::Unnamed;
 use crate::finding::Finding;
@@ -129,6 +129,17 @@ impl Diagnosis {
     #[must_use]
     pub fn far_values(&self) -> Vec<FarValue> {
         far_values(&self.selection.base.fit.free, &self.refitted)
+    }
+
+    /// What the fit used of tolerances; what a finding has taken over is the finding's.
+    #[must_use]
+    pub fn tolerances(&self) -> Vec<Tolerated> {
+        let is_found = |one: &Tolerated| {
+            self.findings.iter().flat_map(|finding| &finding.parameters).any(|own| own.parameter == one.parameter)
+        };
+        let mut all = tolerated(&self.selection.base.fit.free, &self.refitted);
+        all.retain(|one| !is_found(one));
+        all
     }
 
     /// What the model before is called in reports: it is the only model where nothing changes.

@@ -24,6 +24,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     for far in wording::far_values(&diagnosis.far_values()) {
         let _ = writeln!(text, "far value  {far}");
     }
+    for used in wording::used_up(&diagnosis.tolerances()) {
+        let _ = writeln!(text, "tolerance  {used}");
+    }
     if exhibits.preprocessing.iter().any(|of| of.taken_as_absolute) {
         let _ = writeln!(text, "{}", wording::taken_as_absolute());
     }

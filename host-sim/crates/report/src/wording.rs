@@ -1,6 +1,8 @@
 //! What the crates below found, in sentences: they return values, and the words are made here, once for the terminal, JSON and the page.
 //! Each is a clause without full stop.
 
+mod tolerance;
+
 use diagnosis::agreement::{Cause, Change, Doubt, FarValue, Suspicion, Trial};
 use diagnosis::correction_table::Unnamed;
 use diagnosis::localisation::Habit;
@@ -16,6 +18,8 @@ use model_core::machine::Parameter;
 use recording::display_unit::{difference, significant, state_unit, unit_for_people};
 use recording::{Note, Signal, Unit};
 use simulation::signal::noise::extent;
+
+pub use tolerance::{tolerated_thing, used_up};
 
 /// The operating region that shows best where an error arises.
 #[must_use]
@@ -191,6 +195,7 @@ pub fn unjudged(part: &Unjudged) -> String {
             format!("an offset of {} % of the full scale of {sensor}", significant(100.0 * SENSOR_OFFSET, 1))
         }
         Mover::Parameter(parameter) => format!("{} off by its standard deviation", parameter.description().key),
+        Mover::Tolerance(parameter) => format!("half the tolerance of {}", parameter.description().key),
     };
     format!(
         "{section} cannot be judged by {signal}, which it misses by {missed}: in open loop {by} alone moves it by {moved}"

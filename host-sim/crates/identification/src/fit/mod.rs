@@ -115,7 +115,7 @@ impl Free {
     /// as it is never negative and may as well be twice as half as large; one whose nominal value is 0 may be anything up to about its deviation.
     #[must_use]
     pub fn around(parameter: Parameter, nominal: f64, sigma: f64) -> Self {
-        let is_positive = parameter.description().min >= 0.0 || parameter == Parameter::TankPressure;
+        let is_positive = parameter.description().min >= 0.0;
         let freedom = if is_positive && nominal <= 0.0 {
             Freedom::Logarithm { centre: 0.5 * sigma, spread: 0.7, vanishes: true }
         } else if is_positive && sigma > KNOWN_WITHIN * nominal {
@@ -139,17 +139,50 @@ impl Free {
         if let Freedom::Within { most, .. } = self.freedom { Some(most) } else { None }
     }
 
+    /// The machine file's value: of a tolerance, and of what may vanish or have either sign, none of it.
+    #[must_use]
+    pub fn nominal(&self) -> f64 {
+        match self.freedom {
+            Freedom::Around { nominal, .. } | Freedom::Roughly { nominal, .. } => nominal,
+            Freedom::Logarithm { centre, vanishes: false, .. } => centre,
+            Freedom::Within { .. } | Freedom::Signed { .. } | Freedom::Logarithm { .. } => 0.0,
+        }
+    }
+
+    /// How far a value is from the machine file's, in standard deviations of its prior, with the sign of the change. A value known only roughly is
+    /// as far in its logarithm. Of what is positive and of which the file has none, less than the middle of the prior is not far from it.
+    #[must_use]
+    pub fn deviations(&self, value: f64) -> f64 {
+        let coordinate = self.coordinate(value);
+        match self.freedom {
+            Freedom::Within { is_signed: false, .. } | Freedom::Logarithm { vanishes: true, .. } => coordinate.max(0.0),
+            _ => coordinate,
+        }
+    }
+
+    /// Standard deviation of the prior where a value is, in the parameter's unit: known roughly, a larger value is less well known.
+    #[must_use]
+    pub fn width(&self, value: f64) -> f64 {
+        self.slope(self.coordinate(value)).abs()
+    }
+
+    /// Values as far from the machine file's as is usual, the one above and the one below: by a standard deviation of the prior. A tolerance may be
+    /// used by half.
+    #[must_use]
+    pub fn usually_off(&self) -> [f64; 2] {
+        match self.freedom {
+            Freedom::Within { most, is_signed } => [0.5 * most, if is_signed { -0.5 * most } else { 0.0 }],
+            _ => [self.value(1.0), self.value(-1.0)],
+        }
+    }
+
     /// The ends of the value's range: those of the parameter itself. A dead time is also limited to what the delay line holds at the shortest tick,
     /// or to the machine file's value if that is longer. Otherwise a search at twice the tick could end at a dead time that is not possible at the
     /// recordings' own tick.
     fn ends(&self) -> (f64, f64) {
         let description = self.parameter.description();
-        let nominal = match self.freedom {
-            Freedom::Around { nominal, .. } | Freedom::Roughly { nominal, .. } => nominal,
-            _ => 0.0,
-        };
         let most = match self.parameter {
-            Parameter::TransportDelay => description.max.min(LONGEST_DELAY_S.max(nominal)),
+            Parameter::TransportDelay => description.max.min(LONGEST_DELAY_S.max(self.nominal())),
             _ => description.max,
         };
         (description.min, most)
@@ -471,9 +504,45 @@ mod tests {
         let tank = Free::around(Parameter::TankPressure, 2e5, 2e5);
         assert!(matches!(tank.freedom, Freedom::Roughly { .. }) && tank.value(-5.0) > 0.0);
         assert!((tank.value(1.0) - 4e5).abs() < 1.0, "one deviation is a factor of two");
+        let known = Free::around(Parameter::TankPressure, 2e5, 2e4);
+        assert!(
+            matches!(known.freedom, Freedom::Around { .. }) && known.value(-20.0) == 0.0,
+            "no oil pulls in a tank line"
+        );
         // What is known well has a Gaussian prior as before, and what is 0 by the file can move away from it.
         assert!(matches!(Free::around(Parameter::MovingMass, 100.0, 5.0).freedom, Freedom::Around { .. }));
         let lap = Free::around(Parameter::DeadZone, 0.0, 0.03);
         assert!(lap.slope(0.0) > 0.0 && (0.001..0.03).contains(&lap.value(0.0)));
+    }
+
+    #[test]
+    fn a_distance_from_the_machine_file_is_counted_in_deviations_of_its_prior() {
+        let off = |parameter, freedom, value| Free { parameter, freedom }.deviations(value);
+        let around = Freedom::Around { nominal: 100.0, sigma: 5.0 };
+        assert!((off(Parameter::MovingMass, around, 85.0) + 3.0).abs() < 1e-12);
+        // One deviation is a factor of two, three are a factor of eight, either way.
+        let roughly =
+            |value| off(Parameter::ViscousFriction, Free::around(Parameter::ViscousFriction, 1e3, 1e3).freedom, value);
+        assert!((roughly(8e3) - 3.0).abs() < 1e-9 && (roughly(125.0) + 3.0).abs() < 1e-9);
+        let within = |is_signed, value| off(Parameter::MeteringRatio, Freedom::Within { most: 0.08, is_signed }, value);
+        assert!(within(true, 0.0).abs() < 1e-12 && (within(true, -0.077) + within(true, 0.077)).abs() < 1e-12);
+        assert!(within(true, 0.077) > 3.0 && within(false, 0.078) > 3.0);
+        assert!(within(false, 0.001) == 0.0, "a drive with none of it is not far from the file");
+        let lap = Free::around(Parameter::DeadZone, 0.0, 0.03);
+        assert!(lap.deviations(0.0) == 0.0 && lap.deviations(0.06) > 3.0 && lap.nominal() == 0.0);
+    }
+
+    #[test]
+    fn the_width_of_a_prior_is_that_at_the_value() {
+        let mass = Free::around(Parameter::MovingMass, 100.0, 5.0);
+        assert!((mass.width(90.0) - 5.0).abs() < 1e-12);
+        let friction = Free::around(Parameter::ViscousFriction, 1e3, 1e3);
+        assert!((friction.width(4e3) - 4e3 * 2.0_f64.ln()).abs() < 1e-6);
+        assert_eq!(friction.usually_off().map(f64::round), [2e3, 500.0]);
+        let within = |is_signed| {
+            let freedom = Freedom::Within { most: 0.08, is_signed };
+            Free { parameter: Parameter::MeteringRatio, freedom }.usually_off()
+        };
+        assert_eq!((within(true), within(false)), ([0.04, -0.04], [0.04, 0.0]));
     }
 }

@@ -53,6 +53,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
                 "sigmas": digits(far.sigmas, 3), "impossible": far.is_impossible, "sentence": wording::far_value(far),
             })
         }).collect::<Vec<_>>(),
+        "tolerances_used_up": wording::used_up(&diagnosis.tolerances()).collect::<Vec<_>>(),
         "pressures_taken_as_absolute": exhibits.preprocessing.iter().any(|of| of.taken_as_absolute),
         "located": located,
         "suspected": diagnosis.suspected.map(|effect| effect.name),
