@@ -100,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     for far in wording::far_values(&far_values(&free, &estimates)) {
         console.print(format_args!("far value: {far}"))?;
     }
-    for used in wording::used_up(&tolerated(&free, &estimates)) {
+    for used in wording::used_up(&file.machine, &tolerated(&free, &estimates)) {
         console.print(format_args!("tolerance: {used}"))?;
     }
     if let Some(pairs) = terminal::correlated(&fitted.correlations(inflation)) {

@@ -11,6 +11,7 @@ use identification::fit::{CORRELATED, Correlation, Estimate};
 use recording::display_unit::{TABLE, significant};
 
 use crate::evidence::{Exhibits, whiteness};
+use crate::size::size;
 use crate::wording;
 
 /// The whole text.
@@ -24,7 +25,7 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     for far in wording::far_values(&diagnosis.far_values()) {
         let _ = writeln!(text, "far value  {far}");
     }
-    for used in wording::used_up(&diagnosis.tolerances()) {
+    for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) {
         let _ = writeln!(text, "tolerance  {used}");
     }
     if exhibits.preprocessing.iter().any(|of| of.taken_as_absolute) {
@@ -53,6 +54,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                 estimate.value,
                 uncertainty(estimate)
             );
+            if let Some(size) = size(&diagnosis.machine_after, estimate.parameter, estimate.value) {
+                let _ = writeln!(text, "size       {size}");
+            }
         }
         if let Some(jumps) = finding.jumps {
             let _ = writeln!(text, "source     {}", wording::jumps(jumps));

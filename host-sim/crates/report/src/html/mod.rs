@@ -111,7 +111,7 @@ fn doubtful(diagnosis: &Diagnosis) -> Markup {
     html! {
         @for doubt in &diagnosis.doubts { p class="fact" { "Doubt: " (wording::doubt(doubt)) "." } }
         @for far in wording::far_values(&diagnosis.far_values()) { p class="fact" { "Far value: " (far) "." } }
-        @for used in wording::used_up(&diagnosis.tolerances()) { p class="fact" { "Tolerance: " (used) "." } }
+        @for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) { p class="fact" { "Tolerance: " (used) "." } }
     }
 }
 

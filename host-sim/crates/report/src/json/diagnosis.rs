@@ -11,6 +11,7 @@ use diagnosis::{Diagnosis, Finding};
 
 use super::evidence;
 use crate::evidence::Exhibits;
+use crate::size::size;
 use crate::wording;
 
 /// The document.
@@ -53,7 +54,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
                 "sigmas": digits(far.sigmas, 3), "impossible": far.is_impossible, "sentence": wording::far_value(far),
             })
         }).collect::<Vec<_>>(),
-        "tolerances_used_up": wording::used_up(&diagnosis.tolerances()).collect::<Vec<_>>(),
+        "tolerances_used_up": wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()).collect::<Vec<_>>(),
         "pressures_taken_as_absolute": exhibits.preprocessing.iter().any(|of| of.taken_as_absolute),
         "located": located,
         "suspected": diagnosis.suspected.map(|effect| effect.name),
@@ -196,6 +197,7 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
                 "value": digits(estimate.value, 6),
                 "std": digits(estimate.std, 3),
                 "unit": estimate.parameter.description().unit,
+                "size": size(&diagnosis.machine_after, estimate.parameter, estimate.value).map(|size| size.to_string()),
             })
         })
         .collect();

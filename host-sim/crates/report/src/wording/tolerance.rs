@@ -1,22 +1,24 @@
 //! Tolerances that a fit used up.
 
 use diagnosis::agreement::Tolerated;
-use model_core::machine::Parameter;
+use model_core::machine::{Machine, Parameter};
+
+use crate::size::{Size, size};
 
 /// The tolerances that were used up to their ends, a clause each.
-pub fn used_up(tolerated: &[Tolerated]) -> impl Iterator<Item = String> + '_ {
-    tolerated.iter().filter(|one| one.at_limit).map(at_limit)
+pub fn used_up(machine: &Machine<f64>, tolerated: &[Tolerated]) -> impl Iterator<Item = String> {
+    tolerated.iter().filter_map(|one| at_limit(machine, one))
 }
 
-/// A tolerance that was used up, with its limit.
-fn at_limit(tolerated: &Tolerated) -> String {
-    let unit = tolerated.parameter.description().unit;
-    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-    format!(
-        "{} is at the end of its tolerance ({:.2e}{unit}): what is beyond is not within the drawing",
-        tolerated_thing(tolerated.parameter),
-        tolerated.most.copysign(tolerated.value)
-    )
+/// A tolerance with its limit, if it was used up.
+#[must_use]
+pub fn at_limit(machine: &Machine<f64>, tolerated: &Tolerated) -> Option<String> {
+    let limit = tolerated.most.copysign(tolerated.value);
+    let Size { amount, of, .. } = size(machine, tolerated.parameter, limit)?;
+    tolerated.at_limit.then(|| {
+        let thing = tolerated_thing(tolerated.parameter);
+        format!("{thing} is at the end of its tolerance ({amount}{of}): what is beyond is not within the drawing")
+    })
 }
 
 /// What a tolerance is of, in words.
@@ -48,20 +50,25 @@ pub fn tolerated_thing(parameter: Parameter) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use test_press::press;
+
     use super::*;
 
     #[test]
     fn only_a_tolerance_that_is_used_up_is_told_with_its_limit_and_the_sign_of_its_value() {
         let tolerated = |parameter, value, most, at_limit| Tolerated { parameter, value, std: 0.0, most, at_limit };
-        let told: Vec<String> = used_up(&[
+        let all = [
             tolerated(Parameter::StribeckForce, 869.9, 870.0, true),
             tolerated(Parameter::AirShare, 0.005, 0.01, false),
             tolerated(Parameter::MeteringPorts, -0.0799, 0.08, true),
-        ])
-        .collect();
+        ];
+        let told: Vec<String> = used_up(&press(&[]), &all).collect();
         let end = "what is beyond is not within the drawing";
-        assert_eq!(told[0], format!("seal friction is at the end of its tolerance (8.70e2 N): {end}"));
-        assert!(told[1].starts_with("difference between the edges of B and A") && told[1].contains("(-8.00e-2)"));
+        assert_eq!(
+            told[0],
+            format!("seal friction is at the end of its tolerance (870 N, 4.0 % of full force): {end}")
+        );
+        assert!(told[1].contains("of B and A is at the end of its tolerance (8.0 % smaller edges of B than of A)"));
         assert_eq!(told.len(), 2);
     }
 }
