@@ -9,7 +9,7 @@ use recording::Signal;
 use simulation::Trajectory;
 use simulation::figures_of_merit::SignalFit;
 
-use crate::agreement::{Doubt, FarValue, Tolerated, far_values, tolerated};
+use crate::agreement::{Doubt, FarValue, Tolerated, far_values, not_tolerated, tolerated};
 use crate::catalogue::Hypothesis;
 use crate::correction_table::Unnamed;
 use crate::finding::Finding;
@@ -52,7 +52,7 @@ pub struct Diagnosis {
     pub confirmation: Option<Confirmation>,
     /// What was doubtful about the recordings for this drive before anything was searched, where that was asked ([`crate::agreement::doubts`]).
     pub doubts: Vec<Doubt>,
-    /// Base parameters that were refitted (with the effects, if any).
+    /// Base parameters that were refitted (with the effects, if any), and what was used of tolerances.
     pub refitted: Vec<Estimate>,
     /// Pairs of fitted base or effect parameters whose estimates are correlated; the strongest correlation first.
     pub correlated: Vec<Correlation>,
@@ -129,6 +129,12 @@ impl Diagnosis {
     #[must_use]
     pub fn far_values(&self) -> Vec<FarValue> {
         far_values(&self.selection.base.fit.free, &self.refitted)
+    }
+
+    /// Base parameters that were refitted, without tolerances.
+    #[must_use]
+    pub fn base_values(&self) -> Vec<Estimate> {
+        not_tolerated(&self.selection.base.fit.free, &self.refitted)
     }
 
     /// What the fit used of tolerances; what a finding has taken over is the finding's.

@@ -19,7 +19,7 @@ use recording::display_unit::{difference, significant, state_unit, unit_for_peop
 use recording::{Note, Signal, Unit};
 use simulation::signal::noise::extent;
 
-pub use tolerance::{tolerated_thing, used_up};
+pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
 
 /// The operating region that shows best where an error arises.
 #[must_use]

@@ -22,7 +22,7 @@ use response::Responses;
 
 pub use change::Change;
 pub use far_value::{Cause, FarValue, far_values};
-pub use tolerated::{Tolerated, tolerated};
+pub use tolerated::{Tolerated, not_tolerated, tolerated};
 pub use trial::Trial;
 
 /// Most recordings that a doubt is tried on.

@@ -22,6 +22,13 @@ pub struct Tolerated {
     pub at_limit: bool,
 }
 
+/// Those of fitted values that are base parameters and no tolerances.
+#[must_use]
+pub fn not_tolerated(free: &[Free], estimates: &[Estimate]) -> Vec<Estimate> {
+    let is_tolerance = |parameter| free.iter().any(|free| free.parameter == parameter && free.tolerance().is_some());
+    estimates.iter().filter(|estimate| !is_tolerance(estimate.parameter)).copied().collect()
+}
+
 /// Those of fitted values that are tolerances.
 #[must_use]
 pub fn tolerated(free: &[Free], estimates: &[Estimate]) -> Vec<Tolerated> {
@@ -59,5 +66,6 @@ mod tests {
         let expected =
             [(Parameter::StribeckForce, true), (Parameter::MeteringRatio, true), (Parameter::AirShare, false)];
         assert_eq!(told, expected);
+        assert_eq!(not_tolerated(&free, &estimates), estimates[3..]);
     }
 }

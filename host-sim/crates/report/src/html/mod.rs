@@ -62,6 +62,7 @@ pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                 (recordings(diagnosis, budget))
                 (evidence::whiteness(exhibits, diagnosis))
                 (parameters::parameters(diagnosis))
+                (parameters::tolerances(diagnosis))
                 (evidence::prepared(&exhibits.preprocessing))
                 (findings::to_the_controller(diagnosis))
                 (chart::scripts())

@@ -6,7 +6,9 @@ use diagnosis::Diagnosis;
 use identification::fit::{Estimate, Free, Freedom};
 use recording::display_unit::significant;
 
+use crate::size::size;
 use crate::terminal::{correlated, uncertainty};
+use crate::wording::{WITHIN, tolerated_thing};
 
 /// A value counts as moved when its change exceeds this many of its standard deviations.
 const MOVED: f64 = 3.0;
@@ -28,7 +30,7 @@ pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
                 @if changes { " without and with what was found" } ", its standard deviation, and how far it moved." }
             table class="wide" {
                 tr { th { "parameter" } th { "machine file" } @if changes { th { "before" } th { "after" } } @else { th { "fitted" } } th { "±" } th { "unit" } th { "moved" } th class="text" { "why" } }
-                @for estimate in &diagnosis.refitted {
+                @for estimate in &diagnosis.base_values() {
                     @let description = estimate.parameter.description();
                     tr {
                         td { (description.key) }
@@ -43,6 +45,35 @@ pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
                 }
             }
             @if let Some(pairs) = correlated(&diagnosis.correlated) { p { "Estimates " (pairs) "." } }
+        }
+    }
+}
+
+/// What the fit used of tolerances.
+pub(crate) fn tolerances(diagnosis: &Diagnosis) -> Markup {
+    let tolerated = diagnosis.tolerances();
+    if tolerated.is_empty() {
+        return html! {};
+    }
+    let sized = |parameter, value| size(&diagnosis.machine_after, parameter, value);
+    html! {
+        section {
+            h2 { (WITHIN) }
+            p class="soft" { "What every installed drive has within its drawing: the fit may use it up to the limit of the machine file." }
+            table class="wide" {
+                tr { th { "tolerance" } th { "value" } th { "±" } th { "limit" } th { "unit" } th class="text" { "size" } th { "of the limit" } }
+                @for one in &tolerated {
+                    tr {
+                        td title=(one.parameter.description().key) { (tolerated_thing(one.parameter)) }
+                        td { (number(one.value, 3)) }
+                        td { @if one.std.is_finite() { (number(one.std, 2)) } @else { "not determined" } }
+                        td { (number(one.most, 2)) }
+                        td { (one.parameter.description().unit) }
+                        td class="text" { @if let Some(size) = sized(one.parameter, one.value) { (size) } }
+                        td { (significant(100.0 * (one.value / one.most).abs(), 2)) " %" }
+                    }
+                }
+            }
         }
     }
 }

@@ -5,6 +5,9 @@ use model_core::machine::{Machine, Parameter};
 
 use crate::size::{Size, size};
 
+/// The heading above tolerances.
+pub const WITHIN: &str = "Within tolerance, not findings";
+
 /// The tolerances that were used up to their ends, a clause each.
 pub fn used_up(machine: &Machine<f64>, tolerated: &[Tolerated]) -> impl Iterator<Item = String> {
     tolerated.iter().filter_map(|one| at_limit(machine, one))

@@ -1,18 +1,21 @@
 //! The diagnosis on the terminal.
 
-use std::fmt::Write;
+mod tables;
 
-use comfy_table::{ContentArrangement, Table};
+use std::fmt::Write;
 
 use diagnosis::catalogue::short_name;
 use diagnosis::localisation::{Interval, Location, Miss};
 use diagnosis::{Diagnosis, Verdict};
-use identification::fit::{CORRELATED, Correlation, Estimate};
-use recording::display_unit::{TABLE, significant};
+use identification::fit::{CORRELATED, Correlation};
+use recording::display_unit::significant;
 
 use crate::evidence::{Exhibits, whiteness};
 use crate::size::size;
 use crate::wording;
+use tables::{fits, trials, waterfall};
+
+pub use tables::{parameters, tolerances, uncertainty};
 
 /// The whole text.
 #[must_use]
@@ -89,7 +92,10 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     }
     let _ = writeln!(text, "{}", prepared(exhibits));
     if !diagnosis.refitted.is_empty() {
-        let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));
+        let _ = write!(text, "\n{}\n", parameters(&diagnosis.base_values()));
+    }
+    if let Some(tolerances) = tolerances(&diagnosis.machine_after, &diagnosis.tolerances()) {
+        let _ = writeln!(text, "{tolerances}");
     }
     if let Some(pairs) = correlated(&diagnosis.correlated) {
         let _ = writeln!(text, "{pairs}");
@@ -183,73 +189,6 @@ pub fn missed(misses: &[Miss]) -> String {
     misses.iter().map(signal).collect::<Vec<_>>().join(", ")
 }
 
-/// A standard deviation, or why there is none.
-#[must_use]
-pub fn uncertainty(estimate: &Estimate) -> String {
-    if estimate.at_bound {
-        "at its bound".to_owned()
-    } else if estimate.std.is_finite() {
-        format!("{:.1e}", estimate.std)
-    } else {
-        "not determined".to_owned()
-    }
-}
-
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(TABLE).set_content_arrangement(ContentArrangement::Disabled);
-    table.set_header(header.iter().copied());
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(comfy_table::CellAlignment::Right);
-    }
-    table
-}
-
-fn fits(diagnosis: &Diagnosis) -> Table {
-    let mut table = table(&["NRMSE fit, % (free run)", "before", "after", "noise floor"]);
-    for (held_out, label) in [(false, "training"), (true, "held out")] {
-        let (before, after) = (diagnosis.mean_fits(held_out, false), diagnosis.mean_fits(held_out, true));
-        let floor = diagnosis.noise_floor(held_out);
-        for (signal, fit) in &before {
-            let of = |fits: &diagnosis::Fits| fits.get(signal).map_or_else(String::new, |fit| format!("{fit:.2}"));
-            table.add_row([format!("{label} · {signal}"), format!("{fit:.2}"), of(&after), of(&floor)]);
-        }
-    }
-    table
-}
-
-/// A line for each step: what it leaves of the error and which share of the misfit above noise it removed; at the end, what is left.
-fn waterfall(exhibits: &Exhibits) -> Table {
-    let stages = &exhibits.waterfall.stages;
-    let which = if exhibits.waterfall.held_out { "held out" } else { "training" };
-    let signals: Vec<&str> =
-        stages.iter().take(1).flat_map(|stage| &stage.signals).map(|(signal, _)| signal.name()).collect();
-    let first = format!("square error over noise², {which}");
-    let header: Vec<&str> = std::iter::once(first.as_str()).chain(signals).chain(["all", "share taken"]).collect();
-    let mut table = table(&header);
-    let shares = exhibits.waterfall.shares();
-    for (index, stage) in stages.iter().enumerate() {
-        let left = stage.signals.iter().map(|(_, left)| *left).chain([stage.total]).map(|left| significant(left, 3));
-        let share = match &shares {
-            // The machine file removes nothing: the misfit above noise starts there. The last stage, the noise, stands for what was left.
-            Some(shares) if index + 1 == stages.len() => format!("{} left", share_taken(shares[index])),
-            Some(shares) if index > 0 => share_taken(shares[index]),
-            _ => String::new(),
-        };
-        table.add_row(std::iter::once(stage.label.clone()).chain(left).chain([share]).collect::<Vec<_>>());
-    }
-    let white = exhibits.whiteness.iter().map(|of| format!("{} %", significant(100.0 * of.outside(), 2)));
-    table.add_row(
-        std::iter::once("residual autocorrelations outside the 99 % band".to_owned()).chain(white).collect::<Vec<_>>(),
-    );
-    table
-}
-
-/// A share of the machine file's misfit above noise; the share is negative for a step that makes it worse.
-fn share_taken(share: f64) -> String {
-    format!("{}{:.1} %", if share < -5e-4 { "−" } else { "" }, (100.0 * share).abs())
-}
-
 /// What the preprocessing found, in a line, and a line for each failure and clock that is worth reporting.
 fn prepared(exhibits: &Exhibits) -> String {
     let found = &exhibits.preprocessing;
@@ -278,23 +217,6 @@ fn prepared(exhibits: &Exhibits) -> String {
     text
 }
 
-/// Fitted parameters with their uncertainty.
-#[must_use]
-pub fn parameters(estimates: &[Estimate]) -> Table {
-    let mut table = table(&["refitted parameter", "nominal", "fitted", "±", "unit"]);
-    for estimate in estimates {
-        let description = estimate.parameter.description();
-        table.add_row([
-            description.key.to_owned(),
-            format!("{:.4e}", estimate.before),
-            format!("{:.4e}", estimate.value),
-            uncertainty(estimate),
-            description.unit.to_owned(),
-        ]);
-    }
-    table
-}
-
 /// Pairs of parameters of which the recordings determine only the combination, in a sentence; `None` where there are none.
 #[must_use]
 pub fn correlated(pairs: &[Correlation]) -> Option<String> {
@@ -302,13 +224,4 @@ pub fn correlated(pairs: &[Correlation]) -> Option<String> {
     let listed = pairs.iter().map(wording::correlation).collect::<Vec<_>>().join("; ");
     (!pairs.is_empty())
         .then(|| format!("strongly correlated (|r| > {limit}), only their combination is well determined: {listed}"))
-}
-
-fn trials(diagnosis: &Diagnosis) -> Table {
-    let mut table = table(&["refitted with", "log-likelihood gain, penalty subtracted"]);
-    for trial in diagnosis.selection.rounds.iter().flatten() {
-        let names: Vec<_> = trial.effects.iter().map(|effect| effect.name).collect();
-        table.add_row([names.join(" + "), format!("{:.1}", trial.net)]);
-    }
-    table
 }
