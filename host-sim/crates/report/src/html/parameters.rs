@@ -131,7 +131,7 @@ fn why(estimate: &Estimate, prior: Option<&Free>, alone: Option<f64>) -> String 
 fn allowed(prior: &Free) -> String {
     match prior.freedom {
         Freedom::Roughly { spread, .. } => format!("a factor of {}", significant(spread.exp(), 2)),
-        _ => format!("± {}", number(prior.width(prior.nominal()), 2)),
+        _ => format!("± {}", number((prior.usually_off()[0] - prior.nominal()).abs(), 2)),
     }
 }
 

@@ -100,7 +100,9 @@ pub fn parameters(estimates: &[Estimate]) -> Table {
 #[must_use]
 pub fn tolerances(machine: &Machine<f64>, tolerated: &[Tolerated]) -> Option<String> {
     let mut table = table(&["tolerance", "limit", "used", "value"]);
-    table.column_mut(3).into_iter().for_each(|column| column.set_cell_alignment(CellAlignment::Left));
+    if let Some(column) = table.column_mut(3) {
+        column.set_cell_alignment(CellAlignment::Left);
+    }
     for one in tolerated {
         let (Some(value), Some(limit)) =
             (size(machine, one.parameter, one.value), size(machine, one.parameter, one.most))
@@ -109,7 +111,8 @@ pub fn tolerances(machine: &Machine<f64>, tolerated: &[Tolerated]) -> Option<Str
         };
         let used = format!("{} %", significant(100.0 * (one.value / one.most).abs(), 2));
         let thing = wording::tolerated_thing(one.parameter).to_owned();
-        table.add_row([thing, limit.amount, used, value.to_string()]);
+        let sign = if one.parameter.description().min < 0.0 { "±" } else { "" };
+        table.add_row([thing, format!("{sign}{}", limit.amount), used, value.to_string()]);
     }
     (!tolerated.is_empty()).then(|| format!("{WITHIN}:\n{table}"))
 }
