@@ -103,8 +103,9 @@ fn the_page_tells_where_what_how_sure_and_how_to_take_it_to_the_controller_in_th
     let parameter = section(&mut browser, "What: internal-leakage", "td");
     assert_eq!(
         (parameter.len(), parameter[0].as_str(), parameter[3].as_str()),
-        (4, "conductance_m3_per_s_pa", "m3/s/Pa")
+        (5, "conductance_m3_per_s_pa", "m3/s/Pa")
     );
+    assert!(parameter[4].contains(" l/min at 70 bar across the piston"), "{}", parameter[4]);
     let (value, deviation): (f64, f64) = (parameter[1].parse().unwrap(), parameter[2].parse().unwrap());
     assert!(value > 1.5e-12 && value < 2.5e-12 && deviation > 0.0 && deviation < 0.1 * value, "{value} ± {deviation}");
     let separated = section(&mut browser, "How sure", "th");

@@ -10,9 +10,8 @@ use diagnosis::base_parameters;
 use identification::compare::open_loop::put_sways;
 use identification::compare::weakest::{Weakest, missed_by_the_whole, obstacles, unjudged, weakest};
 use identification::compare::{Comparison, Section, compare_with_progress, judged, rows_simulated};
-use identification::fit::{Free, Freedom};
 use machine_file::{LoadSource, MachineFile};
-use model_core::machine::{Parameter, Tick};
+use model_core::machine::Tick;
 use recording::display_unit::{TABLE, arrange, difference, percent};
 use recording::files::source_error::printable;
 use recording::{Recording, Signal};
@@ -146,18 +145,14 @@ fn plot_paths(path: &Path, recordings: &[Recording]) -> Vec<PathBuf> {
 fn compared(job: &Job, machine: &Path, console: &Console<'_>) -> Result<Vec<Comparison>, CliError> {
     let rows = |recording| rows_simulated(job.file.machine.source, job.file.load_source, recording) as u64;
     let bar = console.share(job.recordings.iter().map(rows).sum(), "comparing");
-    let sigma = |free: Free| match free.freedom {
-        Freedom::Around { sigma, .. } => Some((free.parameter, sigma)),
-        _ => None,
-    };
-    let sigmas: Vec<(Parameter, f64)> = base_parameters(&job.file).into_iter().filter_map(sigma).collect();
+    let free = base_parameters(&job.file);
     let comparisons = parallel::try_each(&job.recordings, |recording| {
         let MachineFile { machine: values, load_source, .. } = &job.file;
         let told = |rows| bar.inc(rows as u64);
         let failed = |cause| CliError::Compare { machine: machine.to_owned(), cause };
         let mut found =
             compare_with_progress(values, *load_source, recording, job.arithmetic, job.tick, &told).map_err(failed)?;
-        put_sways(&mut found, values, *load_source, recording, job.tick, &sigmas).map_err(failed)?;
+        put_sways(&mut found, values, *load_source, recording, job.tick, &free).map_err(failed)?;
         Ok(found)
     });
     bar.finish_and_clear();

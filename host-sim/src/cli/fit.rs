@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use diagnosis::agreement::far_values;
+use diagnosis::agreement::{far_values, not_tolerated, tolerated};
 use diagnosis::localisation::{Miss, misses};
 use diagnosis::{DiagnoseError, base_parameters};
 use identification::compare::judged;
@@ -100,9 +100,16 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let counts = cases.first().map_or(effective_samples as Counts, |case| counts_from(case.stimulus.input_point));
     let inflation = inflation(&residuals, counts);
     let estimates = fitted.estimates(inflation);
-    console.print(terminal::parameters(&estimates))?;
+    console.print(terminal::parameters(&not_tolerated(&free, &estimates)))?;
+    let within = tolerated(&free, &estimates);
+    if let Some(table) = terminal::tolerances(&file.machine, &within) {
+        console.print(table)?;
+    }
     for far in wording::far_values(&far_values(&free, &estimates)) {
         console.print(format_args!("far value: {far}"))?;
+    }
+    for used in wording::used_up(&file.machine, &within) {
+        console.print(format_args!("tolerance: {used}"))?;
     }
     if let Some(pairs) = terminal::correlated(&fitted.correlations(inflation)) {
         console.print(pairs)?;

@@ -89,7 +89,7 @@ const NONE: f64 = f64::INFINITY;
 effects! { parameters =>
     {
         SupplyPressure: "supply.pressure_pa", "Pa", 1e5, 1e8, Value(7.0e6), "Supply pressure p0, constant; with a pump drive the pressure all others are scaled by. (3), (4)";
-        TankPressure: "supply.tank_pressure_pa", "Pa", -1e5, 1e7, Value(0.0), "Pressure of the return line, gauge: above that of the atmosphere.";
+        TankPressure: "supply.tank_pressure_pa", "Pa", 0.0, 1e7, Value(0.0), "Pressure of the return line, gauge: above that of the atmosphere.";
         FlowLimit: "supply.flow_limit_m3_per_s", "m3/s", 1e-7, NONE, Value(NONE), "Largest flow through either valve edge, both signs.";
         LevelAtRest: "supply.level_at_rest", "1", 0.02, 0.98, Value(0.5), "Share of supply pressure in chamber B at rest, where a simulation of a recording without pressures starts; no step uses it.";
         ValveGain: "valve.gain_per_v", "1/V", -10.0, 10.0, Value(0.1), "Slope of the static characteristic: spool travel per volt. (15)";

@@ -9,7 +9,7 @@ use recording::Signal;
 use simulation::Trajectory;
 use simulation::figures_of_merit::SignalFit;
 
-use crate::agreement::{Doubt, FarValue, far_values};
+use crate::agreement::{Doubt, FarValue, Tolerated, far_values, not_tolerated, tolerated};
 use crate::catalogue::Hypothesis;
 use crate::correction_table::Unnamed;
 use crate::finding::Finding;
@@ -54,7 +54,7 @@ pub struct Diagnosis {
     pub doubts: Vec<Doubt>,
     /// Base parameters that could move, with their priors.
     pub base_parameters: Vec<Free>,
-    /// Base parameters that were refitted (with the effects, if any).
+    /// Base parameters that were refitted (with the effects, if any), and what was used of tolerances.
     pub refitted: Vec<Estimate>,
     /// Pairs of fitted base or effect parameters whose estimates are correlated; the strongest correlation first.
     pub correlated: Vec<Correlation>,
@@ -131,6 +131,23 @@ impl Diagnosis {
     #[must_use]
     pub fn far_values(&self) -> Vec<FarValue> {
         far_values(&self.base_parameters, &self.refitted)
+    }
+
+    /// Base parameters that were refitted, without tolerances.
+    #[must_use]
+    pub fn base_values(&self) -> Vec<Estimate> {
+        not_tolerated(&self.base_parameters, &self.refitted)
+    }
+
+    /// What the fit used of tolerances; what a finding has taken over is the finding's.
+    #[must_use]
+    pub fn tolerances(&self) -> Vec<Tolerated> {
+        let is_found = |one: &Tolerated| {
+            self.findings.iter().flat_map(|finding| &finding.parameters).any(|own| own.parameter == one.parameter)
+        };
+        let mut all = tolerated(&self.base_parameters, &self.refitted);
+        all.retain(|one| !is_found(one));
+        all
     }
 
     /// What the model before is called in reports: it is the only model where nothing changes.

@@ -13,6 +13,7 @@ pub mod inspect;
 pub mod json;
 pub mod plan;
 pub mod plot;
+pub mod size;
 pub mod statics;
 pub mod terminal;
 pub mod wording;

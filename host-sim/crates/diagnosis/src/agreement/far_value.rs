@@ -1,6 +1,6 @@
 //! Refitted values far from where the machine file says they are, or where no such drive has them.
 
-use identification::fit::{Estimate, Free, Freedom};
+use identification::fit::{Estimate, Free};
 use model_core::machine::Parameter;
 
 /// A value this many of its allowed standard deviations away is told: one in 400 is, where the machine file's doubts are right.
@@ -56,21 +56,20 @@ pub enum Cause {
     Times,
 }
 
-/// The far ones of fitted values, as far as their nominal values had a stated standard deviation.
+/// The far ones of fitted values. A tolerance is not among them: it cannot be left ([`Tolerated`](super::Tolerated)).
 #[must_use]
 pub fn far_values(free: &[Free], estimates: &[Estimate]) -> Vec<FarValue> {
     let far = |estimate: &Estimate| {
-        let free = free.iter().find(|free| free.parameter == estimate.parameter)?;
-        let Freedom::Around { nominal, sigma } = free.freedom else { return None };
-        let (value, change) = (estimate.value, estimate.value - nominal);
-        let sigmas = change.abs() / sigma;
-        let is_determined = estimate.at_bound || change.abs() > DETERMINED * estimate.std;
-        let is_impossible = is_impossible(estimate.parameter, nominal, value, sigma);
+        let free = free.iter().find(|free| free.parameter == estimate.parameter && free.tolerance().is_none())?;
+        let value = estimate.value;
+        let sigmas = free.deviations(value).abs();
+        let is_determined = estimate.at_bound || sigmas * free.width(value) > DETERMINED * estimate.std;
+        let is_impossible = is_impossible(free, value);
         let is_far = sigmas > FAR_FROM || (is_impossible && sigmas > 1.0);
         let suggests = causes(estimate.parameter);
         (is_determined && is_far).then_some(FarValue {
             parameter: estimate.parameter,
-            nominal,
+            nominal: free.nominal(),
             value,
             sigmas,
             is_impossible,
@@ -83,13 +82,14 @@ pub fn far_values(free: &[Free], estimates: &[Estimate]) -> Vec<FarValue> {
 }
 
 /// Whether no drive that the machine file may mean has this value.
-fn is_impossible(parameter: Parameter, nominal: f64, value: f64, sigma: f64) -> bool {
+fn is_impossible(free: &Free, value: f64) -> bool {
     use Parameter as P;
+    let nominal = free.nominal();
     let folded = || {
-        let known = nominal != 0.0 && sigma < KNOWN * nominal.abs() && (value - nominal).abs() > VERY_FAR_FROM * sigma;
-        known && !(1.0 / FOLD..=FOLD).contains(&(value / nominal))
+        let known = nominal != 0.0 && free.width(nominal) < KNOWN * nominal.abs();
+        known && free.deviations(value).abs() > VERY_FAR_FROM && !(1.0 / FOLD..=FOLD).contains(&(value / nominal))
     };
-    match parameter {
+    match free.parameter {
         P::BulkModulus => BULK_MODULI_PA.contains(&nominal) && !BULK_MODULI_PA.contains(&value) || folded(),
         // Small times, overlaps and offsets may well be several times as large as was thought.
         P::ValveOffset | P::DeadZone | P::TimeConstant1 | P::TimeConstant2 | P::TransportDelay | P::RateLimit => false,
@@ -118,6 +118,8 @@ fn causes(parameter: Parameter) -> &'static [Cause] {
 
 #[cfg(test)]
 mod tests {
+    use identification::fit::Freedom;
+
     use super::*;
 
     fn far(parameter: Parameter, (nominal, sigma): (f64, f64), value: f64, std: f64) -> Option<FarValue> {
@@ -144,5 +146,24 @@ mod tests {
         // Known by its order of size only, or small anyway.
         assert_eq!(far(Parameter::ViscousFriction, (4e3, 8e3), 2e4, 1e2), None);
         assert!(!far(Parameter::DeadZone, (0.01, 0.002), 0.04, 1e-3).unwrap().is_impossible);
+    }
+
+    #[test]
+    fn a_value_that_was_known_only_roughly_is_far_in_its_logarithm() {
+        let roughly = |parameter, (nominal, sigma), value, std| {
+            let free = Free::around(parameter, nominal, sigma);
+            let estimate = Estimate { parameter, before: nominal, value, std, at_bound: false };
+            far_values(&[free], &[estimate]).pop()
+        };
+        let bulk = |value, std| roughly(Parameter::BulkModulus, (1.2e9, 3.6e8), value, std);
+        assert_eq!((bulk(1.8e9, 1e7), bulk(2.4e9, 1e9)), (None, None));
+        // Half of it is as far as twice of it.
+        let half = bulk(5e8, 1e7).unwrap();
+        assert!((half.sigmas - 2.4_f64.ln() / 1.3_f64.ln()).abs() < 1e-9 && !half.is_impossible, "{half:?}");
+        assert!(bulk(4e9, 1e7).unwrap().is_impossible);
+        // A valve of zero lap by the file that has a twelfth of overlap.
+        let lap = roughly(Parameter::DeadZone, (0.0, 0.03), 0.06, 1e-3).unwrap();
+        assert!(lap.nominal == 0.0 && lap.sigmas > 3.0 && !lap.is_impossible, "{lap:?}");
+        assert_eq!(roughly(Parameter::DeadZone, (0.0, 0.03), 1e-6, 1e-7), None);
     }
 }

@@ -10,6 +10,7 @@ mod direction;
 mod far_value;
 mod response;
 mod scale;
+mod tolerated;
 mod trial;
 
 use identification::fit::{FitError, Free};
@@ -21,6 +22,7 @@ use response::Responses;
 
 pub use change::Change;
 pub use far_value::{Cause, FarValue, far_values};
+pub use tolerated::{Tolerated, not_tolerated, tolerated};
 pub use trial::Trial;
 
 /// Most recordings that a doubt is tried on.

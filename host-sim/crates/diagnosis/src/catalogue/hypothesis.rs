@@ -76,14 +76,13 @@ impl Scene<'_> {
     /// The force of the full supply on side A, N.
     #[must_use]
     pub fn full_force_n(&self) -> f64 {
-        self.machine.get(Parameter::AreaA) * self.machine.get(Parameter::SupplyPressure)
+        full_force_n(self.machine)
     }
 
     /// The flow at full opening and full supply pressure, m³/s.
     #[must_use]
     pub fn full_flow_m3_per_s(&self) -> f64 {
-        let opened = self.machine.get(Parameter::FlowCoefficient) * self.machine.get(Parameter::SupplyPressure).sqrt();
-        opened.min(self.machine.get(Parameter::FlowLimit))
+        full_flow_m3_per_s(self.machine)
     }
 
     /// Whether a signal is measured and judged.
@@ -91,6 +90,19 @@ impl Scene<'_> {
     pub fn judges(&self, signal: Signal) -> bool {
         self.judged.contains(&signal)
     }
+}
+
+/// The force of the full supply on side A, N.
+#[must_use]
+pub fn full_force_n(machine: &Machine<f64>) -> f64 {
+    machine.get(Parameter::AreaA) * machine.get(Parameter::SupplyPressure)
+}
+
+/// The flow of a valve at full opening and full supply pressure, m³/s.
+#[must_use]
+pub fn full_flow_m3_per_s(machine: &Machine<f64>) -> f64 {
+    let opened = machine.get(Parameter::FlowCoefficient) * machine.get(Parameter::SupplyPressure).sqrt();
+    opened.min(machine.get(Parameter::FlowLimit))
 }
 
 /// How an effect parameter moves in a search.

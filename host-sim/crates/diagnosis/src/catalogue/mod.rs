@@ -41,7 +41,8 @@ use model_core::machine::Parameter;
 use hypothesis::LUGRE;
 
 pub use hypothesis::{
-    EffectParameter, Extension, Form, Hypothesis, Kind, LookAlike, Scene, Subsystem, covered_by, is_elastic, tolerance,
+    EffectParameter, Extension, Form, Hypothesis, Kind, LookAlike, Scene, Subsystem, covered_by, full_flow_m3_per_s,
+    full_force_n, is_elastic, tolerance,
 };
 
 /// Every effect that is tried, in the order of the chain.

@@ -13,6 +13,7 @@ use simulation::{InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, n
 
 use super::weakest::needs_sway;
 use super::{CompareError, Comparison, PlannedSection, plans};
+use crate::fit::Free;
 use crate::input_noise::off_by;
 use crate::parallel;
 
@@ -26,6 +27,8 @@ pub enum Mover {
     Offset(Signal),
     /// One standard deviation of this base parameter.
     Parameter(Parameter),
+    /// Half the tolerance of this effect parameter.
+    Tolerance(Parameter),
 }
 
 /// How far one output of a section moves with all of these errors.
@@ -39,21 +42,21 @@ pub struct Sway {
     pub by_most: f64,
 }
 
-/// Puts into a comparison how far the outputs of its sections sway, given the standard deviations of base parameters; only for those that do not
-/// follow their recording anyway.
+/// Puts into a comparison how far the outputs of its sections sway, given how far base parameters and tolerances usually are off; only for those
+/// that do not follow their recording anyway.
 pub fn put_sways(
     comparison: &mut Comparison,
     machine: &Machine<f64>,
     load: LoadSource,
     recording: &Recording,
     tick: Option<Tick>,
-    sigmas: &[(Parameter, f64)],
+    free: &[Free],
 ) -> Result<(), CompareError> {
     let tick = tick.unwrap_or_else(|| natural_tick(recording));
     let mended = Mended::of(recording);
     for (section, plan) in comparison.sections.iter_mut().zip(plans(machine.source, load, recording)?) {
         if needs_sway(section) {
-            section.sways = sways(&plan, machine, &mended, tick, sigmas)?;
+            section.sways = sways(&plan, machine, &mended, tick, free)?;
         }
     }
     Ok(())
@@ -65,7 +68,7 @@ fn sways(
     machine: &Machine<f64>,
     mended: &Mended<'_>,
     tick: Tick,
-    sigmas: &[(Parameter, f64)],
+    free: &[Free],
 ) -> Result<Vec<Option<Sway>>, CompareError> {
     let simulated = |machine: &Machine<f64>, mended: &Mended<'_>| -> Result<Trajectory, SimulateError> {
         let stimulus = Stimulus::of_mended(mended, machine, plan.input_point, plan.load, tick)?;
@@ -73,17 +76,21 @@ fn sways(
     };
     let usual = simulated(machine, mended)?;
     let offsets = drivers(plan).into_iter().filter(|signal| mended.recording.has(*signal)).map(Mover::Offset);
-    let parameters = sigmas.iter().map(|(parameter, _)| Mover::Parameter(*parameter));
+    let parameters = free.iter().map(|free| match free.tolerance() {
+        Some(_) => Mover::Tolerance(free.parameter),
+        None => Mover::Parameter(free.parameter),
+    });
     let movers: Vec<Mover> = offsets.chain(parameters).collect();
     let moved = parallel::each(&movers, |mover| {
         let again = match *mover {
             Mover::Offset(signal) => simulated(machine, &offset(mended, machine, signal)),
-            Mover::Parameter(parameter) => {
-                let sigma = sigmas.iter().find(|(known, _)| *known == parameter).map_or(0.0, |(_, sigma)| *sigma);
-                let value = machine.get(parameter);
-                // At an end of its range it can only go the other way.
-                simulated(&machine.with(&[(parameter, value + sigma)]), mended)
-                    .or_else(|_| simulated(&machine.with(&[(parameter, value - sigma)]), mended))
+            Mover::Parameter(parameter) | Mover::Tolerance(parameter) => {
+                let own = machine.get(parameter);
+                let known = free.iter().find(|free| free.parameter == parameter);
+                let [above, below] = known.map_or([own; 2], Free::usually_off);
+                let moved = |value: f64| simulated(&machine.with(&[(parameter, value)]), mended);
+                // A value above may give no drive.
+                moved(above).or_else(|_| moved(below))
             }
         };
         // A value that gives no drive moves nothing.

@@ -12,6 +12,7 @@ use recording::display_unit::significant;
 use super::chart::chart;
 use super::parameters::{deviation, number};
 use crate::evidence::Exhibits;
+use crate::size::size;
 use crate::terminal::still_missing;
 use crate::wording;
 
@@ -32,10 +33,11 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
                 h2 { "What: " (finding.effect.name) }
                 div class="fact" { p { "In the " (finding.effect.subsystem) " link: " code { (finding.effect.equation) } } }
                 table {
-                    tr { th { "parameter" } th { "value" } th { "±" } th { "unit" } }
+                    tr { th { "parameter" } th { "value" } th { "±" } th { "unit" } th class="text" { "size" } }
                     @for estimate in &finding.parameters {
                         tr { td { (short_name(estimate.parameter)) } td { (number(estimate.value, 4)) } td { (deviation(estimate)) }
-                            td { (estimate.parameter.description().unit) } }
+                            td { (estimate.parameter.description().unit) }
+                            td class="text" { @if let Some(size) = size(&diagnosis.machine_after, estimate.parameter, estimate.value) { (size) } } }
                     }
                 }
                 @for (number, picture) in exhibits.pictures.iter().filter(|picture| picture.effect == finding.effect.name).enumerate() {
@@ -56,7 +58,7 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
 fn not_confirmed(diagnosis: &Diagnosis) -> Markup {
     html! {
         @for effect in &diagnosis.not_confirmed {
-            p { (effect.name) " was chosen on the training recordings, but the held-out recordings gain nothing from it." }
+            p { (effect.name) " was chosen on the training recordings, but the held-out recordings do not confirm it: they gain nothing, or less than half of what it promised." }
         }
     }
 }

@@ -62,6 +62,7 @@ pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                 (recordings(diagnosis, budget))
                 (evidence::whiteness(exhibits, diagnosis))
                 (parameters::parameters(diagnosis))
+                (parameters::tolerances(diagnosis))
                 (evidence::prepared(&exhibits.preprocessing))
                 (findings::to_the_controller(diagnosis))
                 (chart::scripts())
@@ -111,6 +112,7 @@ fn doubtful(diagnosis: &Diagnosis) -> Markup {
     html! {
         @for doubt in &diagnosis.doubts { p class="fact" { "Doubt: " (wording::doubt(doubt)) "." } }
         @for far in wording::far_values(&diagnosis.far_values()) { p class="fact" { "Far value: " (far) "." } }
+        @for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) { p class="fact" { "Tolerance: " (used) "." } }
     }
 }
 

@@ -3,10 +3,12 @@
 use maud::{Markup, html};
 
 use diagnosis::Diagnosis;
-use identification::fit::{Estimate, Freedom};
+use identification::fit::{Estimate, Free, Freedom};
 use recording::display_unit::significant;
 
+use crate::size::size;
 use crate::terminal::{correlated, uncertainty};
+use crate::wording::{WITHIN, tolerated_thing};
 
 /// A value counts as moved when its change exceeds this many of its standard deviations.
 const MOVED: f64 = 3.0;
@@ -28,7 +30,7 @@ pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
                 @if changes { " without and with what was found" } ", its standard deviation, and how far it moved." }
             table class="wide" {
                 tr { th { "parameter" } th { "machine file" } @if changes { th { "before" } th { "after" } } @else { th { "fitted" } } th { "±" } th { "unit" } th { "moved" } th class="text" { "why" } }
-                @for estimate in &diagnosis.refitted {
+                @for estimate in &diagnosis.base_values() {
                     @let description = estimate.parameter.description();
                     tr {
                         td { (description.key) }
@@ -38,7 +40,7 @@ pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
                         td { (deviation(estimate)) }
                         td { (description.unit) }
                         td { (moved(estimate)) }
-                        td class="text" { (why(estimate, sigma(diagnosis, estimate), changes.then(|| alone(estimate)))) }
+                        td class="text" { (why(estimate, prior(diagnosis, estimate), changes.then(|| alone(estimate)))) }
                     }
                 }
             }
@@ -47,13 +49,38 @@ pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
-/// The standard deviation that the machine file allows for a value, if it gives one.
-fn sigma(diagnosis: &Diagnosis, estimate: &Estimate) -> Option<f64> {
-    let free = diagnosis.selection.base.fit.free.iter().find(|free| free.parameter == estimate.parameter)?;
-    match free.freedom {
-        Freedom::Around { sigma, .. } if sigma > 0.0 => Some(sigma),
-        _ => None,
+/// What the fit used of tolerances.
+pub(crate) fn tolerances(diagnosis: &Diagnosis) -> Markup {
+    let tolerated = diagnosis.tolerances();
+    if tolerated.is_empty() {
+        return html! {};
     }
+    let sized = |parameter, value| size(&diagnosis.machine_after, parameter, value);
+    html! {
+        section {
+            h2 { (WITHIN) }
+            p class="soft" { "What every installed drive has within its drawing: the fit may use it up to the limit of the machine file." }
+            table class="wide" {
+                tr { th { "tolerance" } th { "value" } th { "±" } th { "limit" } th { "unit" } th class="text" { "size" } th { "of the limit" } }
+                @for one in &tolerated {
+                    tr {
+                        td title=(one.parameter.description().key) { (tolerated_thing(one.parameter)) }
+                        td { (number(one.value, 3)) }
+                        td { @if one.std.is_finite() { (number(one.std, 2)) } @else { "not determined" } }
+                        td { (number(one.most, 2)) }
+                        td { (one.parameter.description().unit) }
+                        td class="text" { @if let Some(size) = sized(one.parameter, one.value) { (size) } }
+                        td { (significant(100.0 * (one.value / one.most).abs(), 2)) " %" }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What the machine file says of a value.
+fn prior<'a>(diagnosis: &'a Diagnosis, estimate: &Estimate) -> Option<&'a Free> {
+    diagnosis.base_parameters.iter().find(|free| free.parameter == estimate.parameter)
 }
 
 /// Change relative to the value in the machine file.
@@ -71,9 +98,9 @@ fn moved(estimate: &Estimate) -> String {
     }
 }
 
-/// In words: what the recordings say about the value, and whether it stood in for missing effects. `sigma` is what the machine file
+/// In words: what the recordings say about the value, and whether it stood in for missing effects. `prior` is what the machine file
 /// allows, `alone` the value that was fitted without the effects found.
-fn why(estimate: &Estimate, sigma: Option<f64>, alone: Option<f64>) -> String {
+fn why(estimate: &Estimate, prior: Option<&Free>, alone: Option<f64>) -> String {
     if estimate.at_bound {
         return "at the end of its range: no estimate".to_owned();
     }
@@ -81,25 +108,30 @@ fn why(estimate: &Estimate, sigma: Option<f64>, alone: Option<f64>) -> String {
         return "not determined by the recordings".to_owned();
     }
     let change = estimate.value - estimate.before;
-    if let (Some(alone), Some(sigma)) = (alone, sigma) {
-        let (then, now) = ((alone - estimate.before).abs() / sigma, change.abs() / sigma);
+    if let (Some(alone), Some(prior)) = (alone, prior) {
+        let (then, now) = (prior.deviations(alone).abs(), prior.deviations(estimate.value).abs());
         if then - now > STOOD_IN && (alone - estimate.value).abs() > MOVED * estimate.std {
             return "before, it was pulled from its nominal value to make up for the missing effect".to_owned();
         }
     }
-    let told = sigma.is_none_or(|sigma| estimate.std < TOLD * sigma);
+    let told = prior.is_none_or(|prior| estimate.std < TOLD * prior.width(estimate.value));
     let off = change.abs() > MOVED * estimate.std;
-    match (told, off, sigma) {
+    match (told, off, prior) {
         (false, _, _) => "hardly determined by the recordings".to_owned(),
         (true, false, _) => "the recordings agree with the machine file".to_owned(),
-        (true, true, Some(sigma)) => {
-            let off = significant(change.abs() / sigma, 2);
-            format!(
-                "determined by the recordings: moved by {off} times its standard deviation (± {})",
-                number(sigma, 2)
-            )
+        (true, true, Some(prior)) => {
+            let off = significant(prior.deviations(estimate.value).abs(), 2);
+            format!("determined by the recordings: moved by {off} times its standard deviation ({})", allowed(prior))
         }
         (true, true, None) => "the recordings tell it".to_owned(),
+    }
+}
+
+/// A standard deviation: a number, or a factor where a value is known only roughly.
+fn allowed(prior: &Free) -> String {
+    match prior.freedom {
+        Freedom::Roughly { spread, .. } => format!("a factor of {}", significant(spread.exp(), 2)),
+        _ => format!("± {}", number((prior.usually_off()[0] - prior.nominal()).abs(), 2)),
     }
 }
 
@@ -130,7 +162,9 @@ mod tests {
 
     #[test]
     fn it_says_what_moved_and_why() {
-        let said = |value, std, alone| why(&estimate(value, std), Some(0.1), alone);
+        let prior = |freedom| Free { parameter: Parameter::MeteringRatio, freedom };
+        let around = prior(Freedom::Around { nominal: 1.0, sigma: 0.1 });
+        let said = |value, std, alone| why(&estimate(value, std), Some(&around), alone);
         assert!(said(1.001, 0.001, None).contains("agree"), "{}", said(1.001, 0.001, None));
         assert!(
             said(1.05, 0.001, None)
@@ -142,6 +176,10 @@ mod tests {
         assert!(said(1.01, 0.001, Some(1.2)).contains("make up for"));
         assert!(!said(1.2, 0.001, Some(1.0)).contains("make up for"));
         assert!(said(1.0, f64::NAN, None).contains("not determined"));
+        let roughly = prior(Freedom::Roughly { least: 0.0, nominal: 1.0, spread: 2.0_f64.ln() });
+        let doubled = why(&estimate(2.0, 0.01), Some(&roughly), None);
+        assert!(doubled.ends_with("moved by 1.0 times its standard deviation (a factor of 2.0)"), "{doubled}");
+        assert!(why(&estimate(2.0, 0.9), Some(&roughly), None).contains("hardly determined"));
         assert!(why(&Estimate { at_bound: true, ..estimate(1.0, 0.1) }, None, None).contains("end of its range"));
         assert_eq!((moved(&estimate(1.05, 0.1)), moved(&estimate(0.9, 0.1))), ("+5.0 %".into(), "−10 %".into()));
     }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use diagnosis::agreement::{Change, Doubt};
+use diagnosis::agreement::{Change, Doubt, Tolerated};
 use diagnosis::catalogue::short_name;
 use diagnosis::correction_table::{Axis, Unnamed};
 use diagnosis::localisation::Habit;
@@ -12,6 +12,7 @@ use diagnosis::{Diagnosis, Finding};
 
 use super::evidence;
 use crate::evidence::Exhibits;
+use crate::size::size;
 use crate::wording;
 
 /// The document.
@@ -54,6 +55,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
                 "sigmas": digits(far.sigmas, 3), "impossible": far.is_impossible, "sentence": wording::far_value(far),
             })
         }).collect::<Vec<_>>(),
+        "tolerances": diagnosis.tolerances().iter().map(|one| tolerance(diagnosis, one)).collect::<Vec<_>>(),
         "pressures_taken_as_absolute": exhibits.preprocessing.iter().any(|of| of.taken_as_absolute),
         "located": located,
         "suspected": diagnosis.suspected.map(|effect| effect.name),
@@ -87,6 +89,21 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "waterfall": evidence::waterfall(&exhibits.waterfall),
         "residuals": evidence::residuals(&exhibits.whiteness),
         "prepared": evidence::prepared(&exhibits.preprocessing),
+    })
+}
+
+/// What the fit used of a tolerance; the sentence where it was used up.
+fn tolerance(diagnosis: &Diagnosis, one: &Tolerated) -> Value {
+    let machine = &diagnosis.machine_after;
+    json!({
+        "name": one.parameter.description().key,
+        "value": digits(one.value, 6),
+        "most": digits(one.most, 6),
+        "std": digits(one.std, 3),
+        "unit": one.parameter.description().unit,
+        "at_limit": one.at_limit,
+        "size": size(machine, one.parameter, one.value).map(|size| size.to_string()),
+        "sentence": wording::at_limit(machine, one),
     })
 }
 
@@ -196,6 +213,7 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
                 "value": digits(estimate.value, 6),
                 "std": digits(estimate.std, 3),
                 "unit": estimate.parameter.description().unit,
+                "size": size(&diagnosis.machine_after, estimate.parameter, estimate.value).map(|size| size.to_string()),
             })
         })
         .collect();

@@ -1,17 +1,21 @@
 //! The diagnosis on the terminal.
 
-use std::fmt::Write;
+mod tables;
 
-use comfy_table::{ContentArrangement, Table};
+use std::fmt::Write;
 
 use diagnosis::catalogue::short_name;
 use diagnosis::localisation::{Interval, Location, Miss};
 use diagnosis::{Diagnosis, Verdict};
-use identification::fit::{CORRELATED, Correlation, Estimate};
-use recording::display_unit::{TABLE, significant};
+use identification::fit::{CORRELATED, Correlation};
+use recording::display_unit::significant;
 
 use crate::evidence::{Exhibits, whiteness};
+use crate::size::size;
 use crate::wording;
+use tables::{fits, trials, waterfall};
+
+pub use tables::{parameters, tolerances, uncertainty};
 
 /// The whole text.
 #[must_use]
@@ -23,6 +27,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     }
     for far in wording::far_values(&diagnosis.far_values()) {
         let _ = writeln!(text, "far value  {far}");
+    }
+    for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) {
+        let _ = writeln!(text, "tolerance  {used}");
     }
     if exhibits.preprocessing.iter().any(|of| of.taken_as_absolute) {
         let _ = writeln!(text, "{}", wording::taken_as_absolute());
@@ -50,6 +57,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                 estimate.value,
                 uncertainty(estimate)
             );
+            if let Some(size) = size(&diagnosis.machine_after, estimate.parameter, estimate.value) {
+                let _ = writeln!(text, "size       {size}");
+            }
         }
         if let Some(jumps) = finding.jumps {
             let _ = writeln!(text, "source     {}", wording::jumps(jumps));
@@ -68,7 +78,7 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     for effect in &diagnosis.not_confirmed {
         let _ = writeln!(
             text,
-            "\nnot confirmed: {} was chosen on the training recordings, but the held-out recordings gain nothing from it",
+            "\nnot confirmed: {} was chosen on the training recordings, but the held-out recordings do not confirm it: they gain nothing, or less than half of what it promised",
             effect.name
         );
     }
@@ -82,7 +92,10 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     }
     let _ = writeln!(text, "{}", prepared(exhibits));
     if !diagnosis.refitted.is_empty() {
-        let _ = write!(text, "\n{}\n", parameters(&diagnosis.refitted));
+        let _ = write!(text, "\n{}\n", parameters(&diagnosis.base_values()));
+    }
+    if let Some(tolerances) = tolerances(&diagnosis.machine_after, &diagnosis.tolerances()) {
+        let _ = writeln!(text, "{tolerances}");
     }
     if let Some(pairs) = correlated(&diagnosis.correlated) {
         let _ = writeln!(text, "{pairs}");
@@ -150,7 +163,15 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
                 }
                 None => "not confirmed: no recording was held out".to_owned(),
             };
-            format!("{name}: missing physics: {}; {confirmed}", effects.join(" and "))
+            let effects = effects.join(" and ");
+            match worst(&diagnosis.left) {
+                Some(left) => format!(
+                    "{name}: missing physics, partly explained: {effects}; {} is still {} times its noise off; {confirmed}",
+                    left.signal,
+                    significant(left.over_noise, 2)
+                ),
+                None => format!("{name}: missing physics: {effects}; {confirmed}"),
+            }
         }
         Verdict::NothingMissing => {
             format!("{name}: nothing missing: the refitted model follows the recordings within their noise")
@@ -161,6 +182,11 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
             )
         }
     }
+}
+
+/// The signal that is furthest off.
+fn worst(misses: &[Miss]) -> Option<&Miss> {
+    misses.iter().max_by(|a, b| a.over_noise.total_cmp(&b.over_noise))
 }
 
 /// The misfit above noise that the accepted effects leave.
@@ -174,73 +200,6 @@ pub fn still_missing(diagnosis: &Diagnosis) -> String {
 pub fn missed(misses: &[Miss]) -> String {
     let signal = |miss: &Miss| format!("{} ({:.1} times its noise)", miss.signal, miss.over_noise);
     misses.iter().map(signal).collect::<Vec<_>>().join(", ")
-}
-
-/// A standard deviation, or why there is none.
-#[must_use]
-pub fn uncertainty(estimate: &Estimate) -> String {
-    if estimate.at_bound {
-        "at its bound".to_owned()
-    } else if estimate.std.is_finite() {
-        format!("{:.1e}", estimate.std)
-    } else {
-        "not determined".to_owned()
-    }
-}
-
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(TABLE).set_content_arrangement(ContentArrangement::Disabled);
-    table.set_header(header.iter().copied());
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(comfy_table::CellAlignment::Right);
-    }
-    table
-}
-
-fn fits(diagnosis: &Diagnosis) -> Table {
-    let mut table = table(&["NRMSE fit, % (free run)", "before", "after", "noise floor"]);
-    for (held_out, label) in [(false, "training"), (true, "held out")] {
-        let (before, after) = (diagnosis.mean_fits(held_out, false), diagnosis.mean_fits(held_out, true));
-        let floor = diagnosis.noise_floor(held_out);
-        for (signal, fit) in &before {
-            let of = |fits: &diagnosis::Fits| fits.get(signal).map_or_else(String::new, |fit| format!("{fit:.2}"));
-            table.add_row([format!("{label} · {signal}"), format!("{fit:.2}"), of(&after), of(&floor)]);
-        }
-    }
-    table
-}
-
-/// A line for each step: what it leaves of the error and which share of the misfit above noise it removed; at the end, what is left.
-fn waterfall(exhibits: &Exhibits) -> Table {
-    let stages = &exhibits.waterfall.stages;
-    let which = if exhibits.waterfall.held_out { "held out" } else { "training" };
-    let signals: Vec<&str> =
-        stages.iter().take(1).flat_map(|stage| &stage.signals).map(|(signal, _)| signal.name()).collect();
-    let first = format!("square error over noise², {which}");
-    let header: Vec<&str> = std::iter::once(first.as_str()).chain(signals).chain(["all", "share taken"]).collect();
-    let mut table = table(&header);
-    let shares = exhibits.waterfall.shares();
-    for (index, stage) in stages.iter().enumerate() {
-        let left = stage.signals.iter().map(|(_, left)| *left).chain([stage.total]).map(|left| significant(left, 3));
-        let share = match &shares {
-            // The machine file removes nothing: the misfit above noise starts there. The last stage, the noise, stands for what was left.
-            Some(shares) if index + 1 == stages.len() => format!("{} left", share_taken(shares[index])),
-            Some(shares) if index > 0 => share_taken(shares[index]),
-            _ => String::new(),
-        };
-        table.add_row(std::iter::once(stage.label.clone()).chain(left).chain([share]).collect::<Vec<_>>());
-    }
-    let white = exhibits.whiteness.iter().map(|of| format!("{} %", significant(100.0 * of.outside(), 2)));
-    table.add_row(
-        std::iter::once("residual autocorrelations outside the 99 % band".to_owned()).chain(white).collect::<Vec<_>>(),
-    );
-    table
-}
-
-/// A share of the machine file's misfit above noise; the share is negative for a step that makes it worse.
-fn share_taken(share: f64) -> String {
-    format!("{}{:.1} %", if share < -5e-4 { "−" } else { "" }, (100.0 * share).abs())
 }
 
 /// What the preprocessing found, in a line, and a line for each failure and clock that is worth reporting.
@@ -271,23 +230,6 @@ fn prepared(exhibits: &Exhibits) -> String {
     text
 }
 
-/// Fitted parameters with their uncertainty.
-#[must_use]
-pub fn parameters(estimates: &[Estimate]) -> Table {
-    let mut table = table(&["refitted parameter", "nominal", "fitted", "±", "unit"]);
-    for estimate in estimates {
-        let description = estimate.parameter.description();
-        table.add_row([
-            description.key.to_owned(),
-            format!("{:.4e}", estimate.before),
-            format!("{:.4e}", estimate.value),
-            uncertainty(estimate),
-            description.unit.to_owned(),
-        ]);
-    }
-    table
-}
-
 /// Pairs of parameters of which the recordings determine only the combination, in a sentence; `None` where there are none.
 #[must_use]
 pub fn correlated(pairs: &[Correlation]) -> Option<String> {
@@ -295,13 +237,4 @@ pub fn correlated(pairs: &[Correlation]) -> Option<String> {
     let listed = pairs.iter().map(wording::correlation).collect::<Vec<_>>().join("; ");
     (!pairs.is_empty())
         .then(|| format!("strongly correlated (|r| > {limit}), only their combination is well determined: {listed}"))
-}
-
-fn trials(diagnosis: &Diagnosis) -> Table {
-    let mut table = table(&["refitted with", "log-likelihood gain, penalty subtracted"]);
-    for trial in diagnosis.selection.rounds.iter().flatten() {
-        let names: Vec<_> = trial.effects.iter().map(|effect| effect.name).collect();
-        table.add_row([names.join(" + "), format!("{:.1}", trial.net)]);
-    }
-    table
 }

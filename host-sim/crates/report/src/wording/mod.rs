@@ -1,0 +1,20 @@
+//! What the crates below found, in sentences: they return values, and the words are made here, once for the terminal, JSON and the page.
+//! Each is a clause without full stop.
+
+mod comparison;
+mod doubt;
+mod far_value;
+mod finding;
+mod location;
+mod recordings;
+mod tolerance;
+mod unit;
+
+pub use comparison::{obstacle, unjudged};
+pub use doubt::doubt;
+pub use far_value::{far_value, far_values};
+pub use finding::{advice, correction_table, correlation, jumps};
+pub use location::{error_shape, region, spool_habit};
+pub use recordings::{range_end, recording_advice, taken_as_absolute, unsettled};
+pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
+pub use unit::unit_doubt;

@@ -1,0 +1,105 @@
+//! What is worth a look in a recording.
+
+use diagnosis::agreement::Suspicion;
+use experiment::inspect::Advice;
+use recording::display_unit::{significant, unit_for_people};
+use recording::{Note, Signal};
+
+use super::unit_doubt;
+
+/// What is worth a second look in a recording, or another recording.
+#[must_use]
+pub fn recording_advice(advice: &Advice) -> String {
+    match advice {
+        Advice::Constant { signal, unit, value } => {
+            format!("{signal} is {} {unit} in every row and cannot be judged", significant(unit.from_si(*value), 3))
+        }
+        Advice::Unit(doubt) => unit_doubt(doubt),
+        Advice::Agreement(suspicion) => format!(
+            "{}; `host-sim fit` and `diagnose` try what would explain it",
+            match suspicion {
+                Suspicion::RunsAgainst(signal) =>
+                    format!("{signal} runs against what the machine file's model does with this input"),
+                Suspicion::PressuresCrossed =>
+                    "each pressure is nearer to what the machine file's model gives for the other chamber".to_owned(),
+                Suspicion::MovesOtherwise(signal, ratio) if ratio.is_finite() => format!(
+                    "{signal} moves {} times as far as the machine file's model does with this input",
+                    significant(*ratio, 2)
+                ),
+                Suspicion::MovesOtherwise(signal, _) =>
+                    format!("{signal} moves, but the machine file's model hardly does with this input"),
+            }
+        ),
+        Advice::RangeEnd { signal, reading, share } => {
+            format!(
+                "{}: what is beyond it is not recorded, and these rows are not judged",
+                range_end(*signal, *reading, *share)
+            )
+        }
+        Advice::NeverOpens { by } => {
+            format!(
+                "with this {by} the valve never leaves the dead zone, so nothing below it moves: use larger commands"
+            )
+        }
+        Advice::OpensOneWay { by, extending } => {
+            let way = if *extending { "extend" } else { "retract" };
+            format!("by its {by} the valve opens to {way} only; commands both ways show both sides")
+        }
+        Advice::DoesNotMove => {
+            "the rod does not move by more than its sensor's noise: friction and flow do not show".to_owned()
+        }
+        Advice::MovesOneWay => "the rod moves one way only; move both ways to tell friction from load".to_owned(),
+        Advice::LittleTravel => {
+            "the rod covers little of its stroke: what depends on the position does not show".to_owned()
+        }
+        Advice::NeverHolds { least_s } => format!(
+            "the rod never holds for {least_s} s; a pause with the valve closed shows leakage, drift and friction at rest"
+        ),
+    }
+}
+
+/// What is taken of pressures that fit the drive only without the pressure of the air in them.
+#[must_use]
+pub fn taken_as_absolute() -> String {
+    format!(
+        "pressures  {}; if they are, say so in the machine file: [channels] pressure = \"absolute\"",
+        Note::TakenAsAbsolute
+    )
+}
+
+/// A sensor at an end of its range, without how these rows are treated.
+#[must_use]
+pub fn range_end(signal: Signal, reading: f64, share: f64) -> String {
+    let unit = unit_for_people(signal);
+    let (reading, percent) = (significant(unit.from_si(reading), 4), significant(100.0 * share, 2));
+    format!("{signal} reads {reading} {unit}, the end of its sensor's range, in {percent} % of the rows")
+}
+
+/// What follows from a recording that does not begin at rest, where a part of its state is not measured.
+#[must_use]
+pub fn unsettled(for_s: f64) -> String {
+    format!(
+        "does not begin at rest, and what moved the drive before is not recorded: the first {} s are not judged",
+        significant(for_s, 2)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_on_a_recording_says_what_to_do() {
+        for (advice, part) in [
+            (Advice::NeverOpens { by: Signal::Command }, "with this command the valve never leaves the dead zone"),
+            (Advice::DoesNotMove, "does not move"),
+            (Advice::OpensOneWay { by: Signal::Command, extending: true }, "opens to extend only"),
+            (Advice::MovesOneWay, "one way only"),
+            (Advice::LittleTravel, "little of its stroke"),
+            (Advice::NeverHolds { least_s: 0.3 }, "never holds for 0.3 s"),
+        ] {
+            let said = recording_advice(&advice);
+            assert!(said.contains(part), "{part}: {said}");
+        }
+    }
+}
