@@ -2,19 +2,18 @@
 
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
-use identification::fit::{loss, settle, softened, standardised};
-use model_core::machine::MachineError;
+use identification::fit::{StartState, misfits, settle, softened, standardised};
+use model_core::machine::{Machine, MachineError};
 use recording::Signal;
 
 use super::candidate::Candidate;
 use super::decision_rule::{
-    AT_NOISE, FEW_RECORDINGS, FIT_ABOVE_PERCENT, MOSTLY_NOISE_PERCENT, ONE_GAINS_OF, PROMISE_KEPT, RECORDINGS_EXCUSED,
-    SIGNAL_MAY_LOSE, SIGNAL_MAY_LOSE_SHARE,
+    FIT_ABOVE_PERCENT, MOSTLY_NOISE_PERCENT, ONE_GAINS_OF, PROMISE_KEPT, SIGNAL_MAY_LOSE, SIGNAL_MAY_LOSE_SHARE,
 };
 use super::likelihood::gained;
 
 /// What the held-out recordings say about a choice.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Confirmation {
     /// Log-likelihood gained over the base on all held-out recordings.
     pub gain: f64,
@@ -26,10 +25,10 @@ pub struct Confirmation {
     pub improved: usize,
     /// Number of held-out recordings.
     pub recordings: usize,
-    /// Share of the misfit above noise that the effects take away in training.
+    /// How far the squared error falls in training by the effects: the mean over the signals of ln(before/after).
     pub promised: f64,
-    /// The same of each held-out recording on which the base misses more than noise.
-    pub explained: Vec<f64>,
+    /// The same on the held-out recordings.
+    pub kept: f64,
 }
 
 impl Confirmation {
@@ -56,35 +55,33 @@ impl Confirmation {
         self.gains() && self.keeps_promise()
     }
 
-    /// Whether it explains there what it explains of the training recordings: on each recording that has something to explain, but one of many.
+    /// Whether the error falls on them at least half as far as in training.
     #[must_use]
     pub fn keeps_promise(&self) -> bool {
-        let broken = self.explained.iter().filter(|explained| **explained < PROMISE_KEPT * self.promised).count();
-        broken <= if self.explained.len() > FEW_RECORDINGS { RECORDINGS_EXCUSED } else { 0 }
+        self.kept >= PROMISE_KEPT * self.promised
     }
 }
 
-/// Squares of the residuals over noise beyond those of noise alone, at least 0, of all signals; and whether any signal is above its noise.
-fn above_noise(residuals: &[Vec<f64>]) -> (f64, bool) {
-    let each =
-        || residuals.iter().filter(|series| !series.is_empty()).map(|series| (loss(series), series.len() as f64));
-    let is_above = each().any(|(square, rows)| square > AT_NOISE * AT_NOISE * rows);
-    (each().map(|(square, rows)| (square - rows).max(0.0)).sum(), is_above)
+/// Squared error over noise² of a model in each signal, over all recordings together, and no less than that of noise alone.
+fn squares<'a>(
+    machine: &Machine<f64>,
+    cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
+) -> Result<Vec<f64>, MachineError> {
+    Ok(misfits(machine, cases)?.iter().map(|misfit| misfit.mean_square().max(1.0)).collect())
 }
 
-/// The share of the misfit above noise that one model takes away from another; 0 where there is none.
-fn explained(before: f64, after: f64) -> f64 {
-    if before > 0.0 { 1.0 - after / before } else { 0.0 }
+/// How far the squared error falls from one model to another: mean of the signals' logarithmic ratios, so that no signal counts for more than another.
+fn fall(before: &[f64], after: &[f64]) -> f64 {
+    let ratios: f64 = before.iter().zip(after).map(|(before, after)| (before / after).ln()).sum();
+    ratios / before.len().max(1) as f64
 }
 
-/// What a candidate model promises over one with fewer effects.
+/// How far it falls in training by a candidate model over one with fewer effects.
 fn promised(without: &Candidate, with: &Candidate, training: &[&Prepared]) -> Result<f64, MachineError> {
-    let left = |candidate: &Candidate| -> Result<f64, MachineError> {
-        let cases = training.iter().zip(&candidate.fit.starts);
-        let all = cases.map(|(case, start)| standardised(&candidate.fit.machine, case, *start));
-        all.map(|residuals| Ok(above_noise(&residuals?).0)).sum()
+    let left = |candidate: &Candidate| {
+        squares(&candidate.fit.machine, training.iter().copied().zip(candidate.fit.starts.iter().copied()))
     };
-    Ok(explained(left(without)?, left(with)?))
+    Ok(fall(&left(without)?, &left(with)?))
 }
 
 /// Adds an amount to the sum of a signal.
@@ -106,15 +103,13 @@ pub fn confirm(
     let mut improved = 0;
     let mut signals: Vec<(Signal, f64)> = Vec::new();
     let mut least_fit_percent = 100.0_f64;
-    let mut shares = Vec::new();
-    for case in held_out {
-        let (from, start) = (settle(base, case)?, settle(chosen, case)?);
-        let (missed_before, missed) = (standardised(base, case, from)?, standardised(chosen, case, start)?);
+    let starts = |machine: &Machine<f64>| -> Result<Vec<(&Prepared, StartState)>, MachineError> {
+        held_out.iter().map(|&case| Ok((case, settle(machine, case)?))).collect()
+    };
+    let (from, to) = (starts(base)?, starts(chosen)?);
+    for (&(case, from), &(_, start)) in from.iter().zip(&to) {
         let (before, after) = (softened(base, case, from)?, softened(chosen, case, start)?);
-        let (misfit, is_above) = above_noise(&missed_before);
-        if is_above {
-            shares.push(explained(misfit, above_noise(&missed).0));
-        }
+        let missed = standardised(chosen, case, start)?;
         let mut total = 0.0;
         for ((channel, missed), (before, after)) in case.channels.iter().zip(&missed).zip(before.iter().zip(&after)) {
             let gain = gained(before, after, counts_from(case.stimulus.input_point));
@@ -134,6 +129,6 @@ pub fn confirm(
         improved,
         recordings: held_out.len(),
         promised: promised(without, with, training)?,
-        explained: shares,
+        kept: fall(&squares(base, from)?, &squares(chosen, to)?),
     })
 }

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use maud::{Markup, html};
 
 use diagnosis::catalogue::short_name;
+use diagnosis::selection::Confirmation;
 use diagnosis::{Diagnosis, Finding, Verdict};
 use experiment::discriminate::Separation;
 use recording::display_unit::significant;
@@ -63,6 +64,16 @@ fn not_confirmed(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
+/// How much of its promise the choice keeps.
+fn kept(confirmation: &Confirmation) -> String {
+    let percent = |fall: f64| significant(100.0 * (-fall).exp(), 3);
+    format!(
+        "With it, the squared error falls to {} % in training and to {} % on the held-out recordings (mean of the signals).",
+        percent(confirmation.promised),
+        percent(confirmation.kept)
+    )
+}
+
 pub(crate) fn how_sure(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
     html! {
         section {
@@ -70,6 +81,7 @@ pub(crate) fn how_sure(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
             @for finding in &diagnosis.findings { (sureness(finding, exhibits)) }
             @if let Some(confirmation) = &diagnosis.confirmation {
                 p { "Held-out recordings, opened after the choice: better on " (confirmation.improved) " of " (confirmation.recordings) "." }
+                p { (kept(confirmation)) }
             } @else if !diagnosis.findings.is_empty() {
                 p { "No recording was held out to confirm it." }
             }

@@ -62,6 +62,12 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, exhibits, finding)).collect::<Vec<_>>(),
         "unnamed": diagnosis.unnamed.as_ref().map(unnamed),
         "confirmed": diagnosis.confirmation.as_ref().map(Confirmation::confirms),
+        "confirmation": diagnosis.confirmation.as_ref().map(|confirmation| json!({
+            "improved": confirmation.improved,
+            "recordings": confirmation.recordings,
+            "promised": digits(confirmation.promised, 4),
+            "kept": digits(confirmation.kept, 4),
+        })),
         "still_above_noise": diagnosis.left.iter().map(|miss| {
             json!({ "signal": miss.signal.name(), "rmse_over_noise": digits(miss.over_noise, 3) })
         }).collect::<Vec<_>>(),
