@@ -8,11 +8,12 @@
 //!
 //! 1. An effect is refitted: `PREDICTED_GAIN`.
 //! 2. Its candidate model is accepted on the training recordings: `BEYOND_PENALTY`, `LEAST_EXPLAINED` (beside accepted effects
-//!    `FURTHER_EXPLAINS`), `RECORDINGS_GAIN` with `RECORDINGS_EXCUSED` and `FEW_RECORDINGS`, and no other candidate model with as many effects
-//!    is likelier by `LIKELIER_BY`. An extension also passes `EXTENSION_GAINS` and `EXTENSION_EXPLAINS` or `FINER_FORM_TAKES`.
+//!    `FURTHER_EXPLAINS`), `RECORDINGS_GAIN` with `RECORDINGS_EXCUSED` and `FEW_RECORDINGS`; it is likelier than none by
+//!    `LIKELIER_THAN_NONE`, and no other candidate model with as many effects is likelier by `LIKELIER_BY`. An extension also passes
+//!    `EXTENSION_GAINS` and `EXTENSION_EXPLAINS` or `FINER_FORM_TAKES`.
 //! 3. Its parameters are plausible: the constants from `PRESSED` to `PULLED_TOO_FAR_QUANTILE`.
-//! 4. The held-out recordings gain what was promised: `PROMISE_KEPT`, `ONE_GAINS_OF`, `SIGNAL_MAY_LOSE` or `SIGNAL_MAY_LOSE_SHARE`, `FIT_ABOVE_PERCENT` where
-//!    `MOSTLY_NOISE_PERCENT` does not excuse a signal; beside other effects `WORSE_BY_EQUATIONS`.
+//! 4. The held-out recordings gain what was promised: `PROMISE_KEPT`, `ONE_GAINS_OF`, `SIGNAL_MAY_LOSE` or `SIGNAL_MAY_LOSE_SHARE`,
+//!    `FIT_ABOVE_PERCENT` where `MOSTLY_NOISE_PERCENT` does not excuse a signal; beside other effects `WORSE_BY_EQUATIONS`.
 //!
 //! Stiction of the spool passes the constants of its own section instead of 2.
 //!
@@ -74,6 +75,10 @@ pub(crate) const MOST_REFITTED_WITHOUT: usize = 50;
 
 /// By so much another candidate model with as many effects has to be likelier to forbid that this one is accepted. Source: once in twenty.
 pub(crate) const LIKELIER_BY: f64 = ONCE_IN_TWENTY;
+
+/// By so much a candidate model has to be likelier than the base model, penalty subtracted, on all training recordings together: where another one
+/// may not stand in its place, none at all may. Source: once in twenty.
+pub(crate) const LIKELIER_THAN_NONE: f64 = ONCE_IN_TWENTY;
 
 /// Candidate models that are less likely than the accepted one by no more than this are kept as its rivals. Source: once in twenty.
 pub(crate) const RIVAL_WITHIN: f64 = ONCE_IN_TWENTY;
