@@ -12,6 +12,7 @@ mod drawn;
 mod entered;
 mod faults;
 mod hall;
+mod in_a_hall;
 mod long;
 mod oil;
 mod once;

@@ -166,6 +166,7 @@ fn load(effect: LoadEffect, drawn: &Drawn, found: &Machine<f64>) -> Vec<Measured
             let drag = |y: f64| get(P::ViscousFriction) * over_stroke(y, middle, slope, bow);
             one("how far the drag varies", put_in, varies(drawn, drag))
         }
+        LoadEffect::HungMass { .. } => Vec::new(),
     }
 }
 

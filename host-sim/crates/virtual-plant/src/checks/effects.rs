@@ -310,3 +310,15 @@ fn a_rippling_pump_shakes_the_supply_at_its_frequency() {
     assert!((38..=42).contains(&crossings), "{crossings}");
     assert!(off.iter().all(|share| share.abs() < 0.04));
 }
+
+#[test]
+fn a_hung_mass_shakes_the_rod_at_its_frequency_until_it_moves_along() {
+    let speed = |state: &PlantState| state.velocity_m_per_s;
+    let alone = run(&free_rod(), &[], 1000.0, 0.0, 1000);
+    let shaken = run(&free_rod(), &[named("~hung-mass", 5.0)], 1000.0, 0.0, 1000);
+    let off: Vec<f64> = alone.iter().zip(&shaken).map(|(alone, shaken)| speed(shaken) - speed(alone)).collect();
+    // 15 Hz for half a second.
+    let crossings = off[100..600].windows(2).filter(|pair| pair[0] < 0.0 && pair[1] >= 0.0).count();
+    assert!((7..=8).contains(&crossings), "{crossings}");
+    assert!(off[100..200].iter().any(|off| off.abs() > 1e-3) && off[999].abs() < 1e-4, "{}", off[999]);
+}

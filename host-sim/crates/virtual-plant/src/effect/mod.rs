@@ -93,7 +93,7 @@ pub enum PlantEffect {
     Flow(FlowEffect),
     /// Dry friction.
     Friction(DryFriction),
-    /// A force that depends on the position.
+    /// A force that depends on the position or the motion.
     Load(LoadEffect),
     /// Between the true signals and the sensors.
     Sensing(SensingEffect),
@@ -173,6 +173,7 @@ impl PlantEffect {
         match self {
             Self::CoulombFriction { .. } | Self::Friction(_) | Self::OilTemperature(_) => 1,
             Self::Flow(effect) => effect.states(),
+            Self::Load(effect) => effect.states(),
             _ => 0,
         }
     }
@@ -221,7 +222,7 @@ impl PlantEffect {
             }
             Self::Friction(friction) => dry_friction(&friction, own, state, terms),
             Self::Flow(effect) => effect.apply(plant.edges, inputs, state, own, terms),
-            Self::Load(effect) => effect.apply(state, terms),
+            Self::Load(effect) => effect.apply(state, own, terms),
             Self::OilTemperature(oil) => oil.apply(inputs.supply_pa, own.1, terms),
             Self::Valve(_) | Self::Sensing(_) | Self::OilGrade(_) => {}
         }

@@ -13,7 +13,7 @@ type Make = fn(f64) -> PlantEffect;
 
 /// Name, unit of the number, and the effect, with usual values of its other parameters.
 #[rustfmt::skip]
-const EFFECTS: [(&str, &str, Make); 33] = [
+const EFFECTS: [(&str, &str, Make); 34] = [
     ("hose-compliance", "m3/Pa", PlantEffect::hose_compliance),
     ("pump-slip", "m3/s/Pa", PlantEffect::pump_slip),
     ("internal-leakage", "m3/s/Pa", PlantEffect::internal_leakage),
@@ -47,6 +47,7 @@ const EFFECTS: [(&str, &str, Make); 33] = [
     ("oil-temperature", "K/s", |rise_k_per_s| PlantEffect::OilTemperature(OilTemperature { rise_k_per_s, share_of_power: 0.5, reference_power_w: 800.0 })),
     ("~pump-ripple", "1", |share| PlantEffect::Flow(FlowEffect::PumpRipple { share, frequency_hz: 40.0 })),
     ("~structural-flexibility", "Hz", |frequency_hz| PlantEffect::Sensing(SensingEffect::Flexibility { frequency_hz, damping: 0.03, share: 1.0 })),
+    ("~hung-mass", "kg", |mass_kg| PlantEffect::Load(LoadEffect::HungMass { mass_kg, frequency_hz: 15.0, damping: 0.03 })),
 ];
 
 fn friction(level: FrictionLevel) -> PlantEffect {

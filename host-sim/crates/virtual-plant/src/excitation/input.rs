@@ -102,7 +102,7 @@ impl LoadProfile {
 
     /// The same profile, delayed by a time.
     #[must_use]
-    pub(crate) fn later(&self, by_s: f64) -> Self {
+    pub fn later(&self, by_s: f64) -> Self {
         Self { points: self.points.iter().map(|&(time_s, force_n)| (time_s + by_s, force_n)).collect() }
     }
 

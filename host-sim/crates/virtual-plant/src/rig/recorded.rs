@@ -103,7 +103,7 @@ impl SyntheticRecording {
     }
 
     /// Leaves out the first rows; the times keep their original start.
-    pub(crate) fn cut_before(&mut self, rows: usize) {
+    pub fn cut_before(&mut self, rows: usize) {
         let rows = rows.min(self.len());
         let channels = [
             &mut self.command_v,
