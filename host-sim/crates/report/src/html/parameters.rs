@@ -61,16 +61,16 @@ pub(crate) fn tolerances(diagnosis: &Diagnosis) -> Markup {
             h2 { (WITHIN) }
             p class="soft" { "What every installed drive has within its drawing: the fit may use it up to the limit of the machine file." }
             table class="wide" {
-                tr { th { "tolerance" } th { "value" } th { "±" } th { "limit" } th { "unit" } th class="text" { "size" } th { "of the limit" } }
+                tr { th { "tolerance" } th { "value" } th { "±" } th { "limit" } th { "unit" } th { "used" } th class="text" { "size" } }
                 @for one in &tolerated {
                     tr {
                         td title=(one.parameter.description().key) { (tolerated_thing(one.parameter)) }
                         td { (number(one.value, 3)) }
                         td { @if one.std.is_finite() { (number(one.std, 2)) } @else { "not determined" } }
-                        td { (number(one.most, 2)) }
+                        td { @if one.parameter.description().min < 0.0 { "±" } (number(one.most, 2)) }
                         td { (one.parameter.description().unit) }
-                        td class="text" { @if let Some(size) = sized(one.parameter, one.value) { (size) } }
                         td { (significant(100.0 * (one.value / one.most).abs(), 2)) " %" }
+                        td class="text" { @if let Some(size) = sized(one.parameter, one.value) { (size) } }
                     }
                 }
             }
@@ -130,7 +130,11 @@ fn why(estimate: &Estimate, prior: Option<&Free>, alone: Option<f64>) -> String 
 /// A standard deviation: a number, or a factor where a value is known only roughly.
 fn allowed(prior: &Free) -> String {
     match prior.freedom {
-        Freedom::Roughly { spread, .. } => format!("a factor of {}", significant(spread.exp(), 2)),
+        Freedom::Roughly { least, spread, .. } => {
+            // A chamber volume is known by what is in it beyond what the piston displaces.
+            let of = if least > 0.0 { format!(" above {}", number(least, 3)) } else { String::new() };
+            format!("a factor of {}{of}", significant(spread.exp(), 2))
+        }
         _ => format!("± {}", number((prior.usually_off()[0] - prior.nominal()).abs(), 2)),
     }
 }
