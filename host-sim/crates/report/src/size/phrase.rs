@@ -1,5 +1,6 @@
 //! The phrase for each effect parameter: how much, and of what.
 
+use model_core::effects::Link;
 use model_core::machine::{ATMOSPHERE_PA, Parameter};
 use recording::display_unit::significant;
 
@@ -7,20 +8,32 @@ use super::{Drive, percent};
 
 /// Amount and what it is of; `None` for a parameter that belongs to no effect of the catalogue.
 pub(super) fn phrase(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(String, String)> {
+    match parameter.effect()?.link() {
+        Link::Valve => valve(drive, parameter, value),
+        Link::Flow => orifices(drive, parameter, value),
+        Link::Chambers => chambers(drive, parameter, value),
+        Link::Mechanics => mechanics(drive, parameter, value),
+        Link::Sensing => sensing(drive, parameter, value),
+    }
+}
+
+/// The words for a value of either sign.
+fn which(value: f64, positive: &'static str, negative: &'static str) -> &'static str {
+    if value < 0.0 { negative } else { positive }
+}
+
+fn valve(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(String, String)> {
     use Parameter as P;
     let supply_pa = drive.supply_pa();
-    let half_stroke_m = 0.5 * drive.get(P::Stroke);
-    let at_supply = format!("at {}", bar(supply_pa));
-    let which = |positive: &'static str, negative: &'static str| if value < 0.0 { negative } else { positive };
-    let (amount, of) = match parameter {
-        // Valve
+    Some(match parameter {
         P::HysteresisWidth => travel(drive, value, "between settling from above and from below"),
         P::StictionBand => travel(drive, value, "before the spool jumps"),
-        P::NullDriftTravel => travel(drive, value, which("towards extending", "towards retracting")),
-        P::DeadZoneDifference => {
-            travel(drive, value, which("more overlap on the extending side", "more overlap on the retracting side"))
-        }
-        P::SpoolOffset => travel(drive, value, which("read too much", "read too little")),
+        P::NullDriftTravel => travel(drive, value, which(value, "towards extending", "towards retracting")),
+        P::DeadZoneDifference => travel(
+            drive,
+            value,
+            which(value, "more overlap on the extending side", "more overlap on the retracting side"),
+        ),
         P::HysteresisSpread => said(percent(value), "by which the widths of its elements differ from their mean"),
         P::StictionKept => said(percent(value), "of the band that a jump ends short by"),
         P::SolenoidOnset => said(percent(value), "of full spool travel, where the gain starts to fall"),
@@ -35,21 +48,36 @@ pub(super) fn phrase(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Opt
         P::FlowForce => {
             said(percent(value * supply_pa), &format!("of its travel closed by {} over the edges", bar(supply_pa)))
         }
-        // Flow
+        P::NullDriftTime => (time(value), String::new()),
+        _ => return None,
+    })
+}
+
+fn orifices(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(String, String)> {
+    use Parameter as P;
+    let supply_pa = drive.supply_pa();
+    let at_supply = format!("at {}", bar(supply_pa));
+    Some(match parameter {
         P::FlowGainLinear => {
-            said(percent(value), which("more flow gain at full opening", "less flow gain at full opening"))
+            said(percent(value), which(value, "more flow gain at full opening", "less flow gain at full opening"))
         }
         P::FlowGainBeyond => {
-            said(percent(value), which("more flow gain beyond the notch", "less flow gain beyond the notch"))
+            said(percent(value), which(value, "more flow gain beyond the notch", "less flow gain beyond the notch"))
         }
         P::FlowGainNotch => said(percent(value), "opening, where the notch ends"),
         P::MeteringRatio => {
-            said(percent(value), which("larger tank than supply edges", "smaller tank than supply edges"))
+            said(percent(value), which(value, "larger tank than supply edges", "smaller tank than supply edges"))
         }
-        P::MeteringPorts => said(percent(value), which("larger edges of B than of A", "smaller edges of B than of A")),
+        P::MeteringPorts => {
+            said(percent(value), which(value, "larger edges of B than of A", "smaller edges of B than of A"))
+        }
         P::MeteringDirections => said(
             percent(value),
-            which("larger edges for retracting than for extending", "smaller edges for retracting than for extending"),
+            which(
+                value,
+                "larger edges for retracting than for extending",
+                "smaller edges for retracting than for extending",
+            ),
         ),
         P::DroopResistance | P::ReturnLaminar => at_full_flow(drive, value * drive.full_flow_m3_per_s()),
         P::ReturnResistance => at_full_flow(drive, value * drive.full_flow_m3_per_s().powi(2)),
@@ -61,7 +89,16 @@ pub(super) fn phrase(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Opt
         P::ValveLeakageReach => said(percent(value), "of full spool travel, where half of it is left"),
         P::LaminarPressure => said(bar(drive.get(P::LaminarTransition) + value), "below which the flow is laminar"),
         P::PumpSlip => flow(drive, value * supply_pa, &at_supply),
-        // Chambers
+        P::DroopTime => (time(value), String::new()),
+        _ => return None,
+    })
+}
+
+fn chambers(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(String, String)> {
+    use Parameter as P;
+    let supply_pa = drive.supply_pa();
+    let at_supply = format!("at {}", bar(supply_pa));
+    Some(match parameter {
         P::InternalLeakage => flow(drive, value * supply_pa, &format!("{at_supply} across the piston")),
         P::ExternalLeakageA => flow(drive, value * supply_pa, &format!("{at_supply} in A")),
         P::ExternalLeakageB => flow(drive, value * supply_pa, &format!("{at_supply} in B")),
@@ -69,7 +106,15 @@ pub(super) fn phrase(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Opt
         P::HoseCompliance => said(format!("{} cm³", significant(1e13 * value, 2)), "per 100 bar in each chamber"),
         P::VolumeShare => said(percent(value), "of what the piston displaces"),
         P::CavitationFloor => said(bar(ATMOSPHERE_PA + value), "absolute, below which no pressure falls"),
-        // Mechanics
+        _ => return None,
+    })
+}
+
+fn mechanics(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(String, String)> {
+    use Parameter as P;
+    let supply_pa = drive.supply_pa();
+    let half_stroke_m = 0.5 * drive.get(P::Stroke);
+    Some(match parameter {
         P::CoulombFriction
         | P::StribeckForce
         | P::StribeckExcess
@@ -77,28 +122,35 @@ pub(super) fn phrase(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Opt
         | P::PositionFriction
         | P::AsymmetricExtending
         | P::AsymmetricRetracting => force(drive, value, ""),
-        P::LoadSpringForce => force(drive, value, which(" against extending", " against retracting")),
-        P::PositionFrictionSlope => force(drive, value, which(" more with the rod out", " more with the rod in")),
-        P::PositionFrictionBow => force(drive, value, which(" more at both ends", " less at both ends")),
+        P::LoadSpringForce => force(drive, value, which(value, " against extending", " against retracting")),
+        P::PositionFrictionSlope => {
+            force(drive, value, which(value, " more with the rod out", " more with the rod in"))
+        }
+        P::PositionFrictionBow => force(drive, value, which(value, " more at both ends", " less at both ends")),
         P::PositionDragSlope => said(
             percent(value),
-            which("more viscous friction with the rod out", "more viscous friction with the rod in"),
+            which(value, "more viscous friction with the rod out", "more viscous friction with the rod in"),
         ),
-        P::PositionDragBow => {
-            said(percent(value), which("more viscous friction at both ends", "less viscous friction at both ends"))
-        }
+        P::PositionDragBow => said(
+            percent(value),
+            which(value, "more viscous friction at both ends", "less viscous friction at both ends"),
+        ),
         P::PressureFriction => {
             force(drive, value * supply_pa, &format!(" where both pressures add up to {}", bar(supply_pa)))
         }
         P::LoadSpring => force(
             drive,
             value * half_stroke_m,
-            which(" at each end of the stroke, towards its middle", " at each end of the stroke, away from its middle"),
+            which(
+                value,
+                " at each end of the stroke, towards its middle",
+                " at each end of the stroke, away from its middle",
+            ),
         ),
         P::LoadSpringBow => force(
             drive,
             value * half_stroke_m.powi(2),
-            which(" more against extending at both ends", " less against extending at both ends"),
+            which(value, " more against extending at both ends", " less against extending at both ends"),
         ),
         P::StribeckVelocity => {
             said(format!("{} mm/s", significant(1e3 * value, 2)), "where half of the excess is gone")
@@ -109,12 +161,22 @@ pub(super) fn phrase(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Opt
         P::StopStiffness => said(format!("{} kN/mm", significant(1e-6 * value, 2)), "in the stop"),
         P::StopDamping => said(format!("{} N", significant(0.1 * value, 2)), "at 100 mm/s into the stop"),
         P::PreslidingStiffness => said(format!("{} N", significant(1e-6 * value, 2)), "per µm before the rod slides"),
-        P::ViscosityLoss => said(percent(value), which("less viscosity in the end", "more viscosity in the end")),
+        P::ViscosityLoss => {
+            said(percent(value), which(value, "less viscosity in the end", "more viscosity in the end"))
+        }
         P::ViscosityLossPerKelvin => said(percent(value), "less viscosity per kelvin"),
         P::ReferenceTemperature => {
             said(format!("{} °C", significant(value, 3)), "is the temperature of the file's values")
         }
-        // Sensing
+        P::WarmingTime => (time(value), String::new()),
+        _ => return None,
+    })
+}
+
+fn sensing(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(String, String)> {
+    use Parameter as P;
+    let supply_pa = drive.supply_pa();
+    Some(match parameter {
         P::BacklashPlay => {
             let share = percent(value / drive.get(P::Stroke));
             (format!("{} mm", significant(1e3 * value, 2)), format!(", {share} of the stroke"))
@@ -123,19 +185,16 @@ pub(super) fn phrase(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Opt
             let share = percent(value / supply_pa);
             (
                 bar(value.abs()),
-                format!(" {}, {share} of the supply pressure", which("read too much", "read too little")),
+                format!(" {}, {share} of the supply pressure", which(value, "read too much", "read too little")),
             )
         }
         P::PressureAFactor | P::PressureBFactor | P::SpoolFactor | P::PositionFactor => {
-            said(percent(value), which("read too much", "read too little"))
+            said(percent(value), which(value, "read too much", "read too little"))
         }
-        // Times
-        P::PositionLag | P::PositionDelay | P::DroopTime | P::NullDriftTime | P::WarmingTime => {
-            (time(value), String::new())
-        }
+        P::SpoolOffset => travel(drive, value, which(value, "read too much", "read too little")),
+        P::PositionLag | P::PositionDelay => (time(value), String::new()),
         _ => return None,
-    };
-    Some((amount, of))
+    })
 }
 
 fn said(amount: String, of: &str) -> (String, String) {
