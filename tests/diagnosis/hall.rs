@@ -98,4 +98,8 @@ fn a_leak_is_named_alone_and_in_its_size() {
     assert_eq!(accepted(&found), "internal-leakage");
     let value = found.findings[0].parameters[0].value;
     assert!((value / leak - 1.0).abs() < 0.1, "{value}");
+    // What the leak does below the spool bends no value of the valve: those are known from the spool alone.
+    let spool = found.refitted.iter().find(|one| one.parameter == P::NaturalFrequency).unwrap();
+    assert!((spool.value / (0.85 * spool.before) - 1.0).abs() < 0.03, "{spool:?}");
+    assert!(found.selection.base.fit.free.iter().all(|free| free.parameter != P::NaturalFrequency));
 }

@@ -407,3 +407,20 @@ fn jump(
     }
     Ok(best)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::CATALOGUE;
+
+    #[test]
+    fn what_good_seals_have_anyway_is_no_lead_whichever_law_describes_it() {
+        let free =
+            [Free { parameter: Parameter::StribeckForce, freedom: Freedom::Within { most: 400.0, is_signed: false } }];
+        let coulomb = CATALOGUE.iter().find(|effect| effect.name == "coulomb-friction").unwrap();
+        let is_lead = |free: &[Free], force_n| {
+            is_beyond_tolerance(free, coulomb.forms[0], &[(Parameter::CoulombFriction, force_n)])
+        };
+        assert!(!is_lead(&free, 300.0) && is_lead(&free, 500.0) && is_lead(&[], 1.0));
+    }
+}
