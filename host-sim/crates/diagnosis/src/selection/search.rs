@@ -52,8 +52,14 @@ fn added(
 ) -> Result<Vec<Candidate>, FitError> {
     let refit = |leads: &[Lead], reference: &Reference<'_>| refit_each(leads, done, |lead| reference.with(lead));
     let reference = Reference::new(question, from)?;
-    let own = promising(reference.leads(open)?, most, PREDICTED_GAIN);
-    if !from.effects.is_empty() || !from.is_pulled(question) {
+    let is_astray = from.effects.is_empty() && from.is_pulled(question);
+    // Where much is free, what pulls the base parameters leads them to where no effect looks like itself.
+    let own = if is_astray && question.has_tolerances() {
+        Vec::new()
+    } else {
+        promising(reference.leads(open)?, most, PREDICTED_GAIN)
+    };
+    if !is_astray {
         return refit(&own, &reference);
     }
     let beside = Reference::new(question, &inflated.base)?;

@@ -34,6 +34,11 @@ pub struct Question<'a> {
 }
 
 impl Question<'_> {
+    /// Whether any base parameter is a tolerance, as of a drive that is known by its data sheet.
+    pub(crate) fn has_tolerances(&self) -> bool {
+        self.base_parameters.iter().any(|free| free.tolerance().is_some())
+    }
+
     /// How the independent samples of its residuals are counted.
     pub(crate) fn counts(&self) -> Counts {
         counts_from(self.scene.input_point)
@@ -154,7 +159,7 @@ impl Candidate {
             self.vanished(question.scene).into_iter().chain(self.stranded(question.scene)).collect();
         let again = if lost.is_empty() { self } else { self.or_from(question, &lost)? };
         // Where much is free, a model without the effect leads the base parameters to places from which no search comes back.
-        if again.is_pulled(question) && question.base_parameters.iter().any(|free| free.tolerance().is_some()) {
+        if again.is_pulled(question) && question.has_tolerances() {
             let nominal: Vec<_> =
                 question.base_parameters.iter().map(|free| (free.parameter, free.value(0.0))).collect();
             return again.or_from(question, &nominal);
