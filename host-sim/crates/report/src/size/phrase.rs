@@ -29,11 +29,6 @@ fn valve(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(String,
         P::HysteresisWidth => travel(drive, value, "between settling from above and from below"),
         P::StictionBand => travel(drive, value, "before the spool jumps"),
         P::NullDriftTravel => travel(drive, value, which(value, "towards extending", "towards retracting")),
-        P::DeadZoneDifference => travel(
-            drive,
-            value,
-            which(value, "more overlap on the extending side", "more overlap on the retracting side"),
-        ),
         P::HysteresisSpread => said(percent(value), "by which the widths of its elements differ from their mean"),
         P::StictionKept => said(percent(value), "of the band that a jump ends short by"),
         P::SolenoidOnset => said(percent(value), "of full spool travel, where the gain starts to fall"),
@@ -58,6 +53,11 @@ fn orifices(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(Stri
     let supply_pa = drive.supply_pa();
     let at_supply = format!("at {}", bar(supply_pa));
     Some(match parameter {
+        P::DeadZoneDifference => travel(
+            drive,
+            value,
+            which(value, "more overlap on the extending side", "more overlap on the retracting side"),
+        ),
         P::FlowGainLinear => {
             said(percent(value), which(value, "more flow gain at full opening", "less flow gain at full opening"))
         }
