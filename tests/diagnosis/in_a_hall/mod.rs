@@ -162,9 +162,8 @@ fn of_a_few_healthy_drives_in_a_hall_nothing_is_said_to_be_missing() {
     }
 }
 
-/// Position alone, and as it happens the first drive that was drawn.
+/// Position alone: a leak of 0.05 % of full flow gained by left-out recordings alone.
 #[test]
-#[ignore = "not reached: it is said to leak outwards"]
 fn a_healthy_drive_whose_position_alone_is_measured_does_not_leak() {
     let said = said(None, 0);
     assert!(said.claims.is_empty(), "{}", said.line());
