@@ -55,7 +55,7 @@ impl Confirmation {
         self.gains() && self.keeps_promise()
     }
 
-    /// Whether the error falls on them at least half as far as in training.
+    /// Whether the error falls on them far enough, compared with training.
     #[must_use]
     pub fn keeps_promise(&self) -> bool {
         self.kept >= PROMISE_KEPT * self.promised

@@ -59,7 +59,7 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
 fn not_confirmed(diagnosis: &Diagnosis) -> Markup {
     html! {
         @for effect in &diagnosis.not_confirmed {
-            p { (effect.name) " was chosen on the training recordings, but the held-out recordings do not confirm it: they gain nothing, or less than half of what it promised." }
+            p { (effect.name) " was chosen on the training recordings, but the held-out recordings do not confirm it: they gain nothing, or too little of what it promised." }
         }
     }
 }

@@ -78,7 +78,7 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     for effect in &diagnosis.not_confirmed {
         let _ = writeln!(
             text,
-            "\nnot confirmed: {} was chosen on the training recordings, but the held-out recordings do not confirm it: they gain nothing, or less than half of what it promised",
+            "\nnot confirmed: {} was chosen on the training recordings, but the held-out recordings do not confirm it: they gain nothing, or too little of what it promised",
             effect.name
         );
     }
