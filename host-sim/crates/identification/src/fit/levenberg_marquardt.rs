@@ -24,18 +24,6 @@ pub type Progress<'a> = dyn Fn(&Prepared) + Sync + 'a;
 
 /// Largest number of evaluations per coordinate: a model that lacks an effect creeps along a valley, and is far enough then.
 const PATIENCE: usize = 3;
-/// Evaluations that a search over many coordinates is far enough after, though not fewer than one for each: a drive that is known by its data sheet has
-/// dozens, most of which hardly move.
-const ENOUGH: usize = 90;
-
-/// Evaluations per coordinate of a search over this many.
-const fn patience(coordinates: usize) -> usize {
-    match ENOUGH / (coordinates + 1) {
-        0 => 1,
-        most if most < PATIENCE => most,
-        _ => PATIENCE,
-    }
-}
 
 /// The Jacobian is kept as long as the gain of a step equals the predicted gain within this share.
 const FAITHFUL: f64 = 0.15;
@@ -48,7 +36,7 @@ const ROUNDS: usize = 3;
 
 /// Largest number of evaluations of a search over this many coordinates.
 pub(crate) const fn most_evaluations(coordinates: usize) -> usize {
-    patience(coordinates) * (coordinates + 1)
+    PATIENCE * (coordinates + 1)
 }
 
 pub(crate) struct Problem<'a> {
@@ -117,7 +105,7 @@ impl<'a> Problem<'a> {
             .with_ftol(precision)
             .with_xtol(1e-6)
             .with_gtol(0.0)
-            .with_patience(patience(self.coordinates.len()))
+            .with_patience(PATIENCE)
             // Every coordinate is already in standard deviations of its prior, so a first step of several of them is far.
             .with_scale_diag(false)
             .with_stepbound(5.0);
