@@ -313,7 +313,9 @@ mod tests {
             for command in [step, wave] {
                 let recording = cut(0, command, sensors);
                 let start = start(&recording);
-                assert_eq!(start, Start::at_rest(command(0), start.pressures_pa, start.position_m), "{sensors:?}");
+                let at_rest = Start::at_rest(command(0), start.pressures_pa, start.position_m);
+                assert_eq!(start, Start { settled: start.settled, ..at_rest }, "{sensors:?}");
+                assert_eq!(start.settled.is_some(), sensors.contains(&Signal::Spool));
             }
         }
     }
