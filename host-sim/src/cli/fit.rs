@@ -9,8 +9,8 @@ use identification::compare::judged;
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
 use identification::fit::{
-    Counts, Fit, FitError, Free, From, StartState, effective_samples, first_search, fit_with_progress, inflation,
-    level_at_rest, most_evaluations, set_tolerances, softened_all,
+    Counts, Fit, FitError, Free, From, effective_samples, first_search, fit_with_progress, inflation, level_at_rest,
+    most_evaluations, softened_all, with_channel_tolerances,
 };
 use model_core::machine::Machine;
 use recording::{ChannelMap, Recording, Signal};
@@ -132,9 +132,5 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 fn near(machine: &Machine<f64>, free: &[Free], prepared: &mut [Prepared]) -> Result<Fit, FitError> {
     /// The first search ends when the loss falls by less than this share in a step.
     const SETTLED: f64 = 1e-3;
-    set_tolerances(machine, prepared, &vec![StartState::default(); prepared.len()])?;
-    let cases: Vec<&Prepared> = prepared.iter().collect();
-    let near = first_search(machine, free, &cases, SETTLED)?;
-    set_tolerances(&near.machine, prepared, &near.starts)?;
-    Ok(near)
+    with_channel_tolerances(machine, prepared, |cases| first_search(machine, free, cases, SETTLED))
 }

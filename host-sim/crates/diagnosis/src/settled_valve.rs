@@ -5,6 +5,7 @@
 //! spool tells is kept, and no effect of the valve is missing.
 
 use identification::experiment::Prepared;
+use identification::fit::residuals::counts_from;
 use identification::fit::{Estimate, Fit, FitError, Free, inflation, softened_all, spool_alone};
 use model_core::machine::Machine;
 
@@ -34,7 +35,7 @@ impl SettledValve {
             return Ok(None);
         }
         let residuals = softened_all(&fit.machine, with_starts())?;
-        let counts = identification::fit::residuals::counts_from(spools[0].stimulus.input_point);
+        let counts = counts_from(spools[0].stimulus.input_point);
         let estimates: Vec<Estimate> =
             fit.estimates(inflation(&residuals, counts)).into_iter().filter(|one| is_told(&fit, one)).collect();
         let mut settled = *machine;
@@ -49,6 +50,6 @@ impl SettledValve {
 /// Whether the spool tells a value much better than it was known before.
 fn is_told(fit: &Fit, estimate: &Estimate) -> bool {
     let free = fit.free.iter().find(|free| free.parameter == estimate.parameter);
-    let known_before = free.map_or(0.0, |free| free.deviation_at(estimate.value));
+    let known_before = free.map_or(0.0, |free| free.width(estimate.value));
     estimate.std < SPOOL_TOLD_WITHIN * known_before
 }

@@ -147,9 +147,8 @@ impl<R: Real> ValveOnItsWay<R> {
     /// T2·ẋ = l − x gives the first lag's output l from the slope of the spool x.
     fn of(machine: &Machine<R>, SpoolAtStart { reading, slope_per_s, rests }: SpoolAtStart, command_v: f64) -> Self {
         let spool = behind(machine, SPOOL, R::constant(reading));
-        let get = |parameter| machine.get(parameter);
-        // What is wound up in the hysteresis trails the command by half its width.
-        let half = R::constant(0.5) * get(Parameter::HysteresisWidth);
+        // What is wound up in the hysteresis trails the command.
+        let half = half_hysteresis(machine);
         let trailing = if slope_per_s < 0.0 { half } else { -half };
         Self {
             spool,
@@ -160,7 +159,7 @@ impl<R: Real> ValveOnItsWay<R> {
 
     /// A spool that rests within the hysteresis about the command's target; `None` without hysteresis.
     fn settled(machine: &Machine<R>, reading: f64, command_v: f64) -> Option<Self> {
-        let half = R::constant(0.5) * machine.get(Parameter::HysteresisWidth);
+        let half = half_hysteresis(machine);
         if half.is_nil() {
             return None;
         }
@@ -168,6 +167,11 @@ impl<R: Real> ValveOnItsWay<R> {
         let spool = limited(behind(machine, SPOOL, R::constant(reading)), target - half, target + half);
         Some(Self { spool, lag: spool, set: spool })
     }
+}
+
+/// How far the spool may be from where the command would hold it without hysteresis.
+fn half_hysteresis<R: Real>(machine: &Machine<R>) -> R {
+    R::constant(0.5) * machine.get(Parameter::HysteresisWidth)
 }
 
 /// Where the command holds the spool in the end, without hysteresis.

@@ -2,8 +2,8 @@
 
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
-use identification::fit::{StartState, misfits, settle, softened, standardised};
-use model_core::machine::{Machine, MachineError};
+use identification::fit::{Misfit, Residuals, misfits, misfits_of, settle, soften, standardised};
+use model_core::machine::MachineError;
 use recording::Signal;
 
 use super::candidate::Candidate;
@@ -62,12 +62,9 @@ impl Confirmation {
     }
 }
 
-/// Squared error over noise² of a model in each signal, over all recordings together, and no less than that of noise alone.
-fn squares<'a>(
-    machine: &Machine<f64>,
-    cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
-) -> Result<Vec<f64>, MachineError> {
-    Ok(misfits(machine, cases)?.iter().map(|misfit| misfit.mean_square().max(1.0)).collect())
+/// Squared error over noise² in each signal, over all recordings together, and no less than that of noise alone.
+fn squares(misfits: &[Misfit]) -> Vec<f64> {
+    misfits.iter().map(|misfit| misfit.mean_square().max(1.0)).collect()
 }
 
 /// How far the squared error falls from one model to another: mean of the signals' logarithmic ratios, so that no signal counts for more than another.
@@ -78,8 +75,9 @@ fn fall(before: &[f64], after: &[f64]) -> f64 {
 
 /// How far it falls in training by a candidate model over one with fewer effects.
 fn promised(without: &Candidate, with: &Candidate, training: &[&Prepared]) -> Result<f64, MachineError> {
-    let left = |candidate: &Candidate| {
-        squares(&candidate.fit.machine, training.iter().copied().zip(candidate.fit.starts.iter().copied()))
+    let left = |candidate: &Candidate| -> Result<Vec<f64>, MachineError> {
+        let starts = candidate.fit.starts.iter().copied();
+        Ok(squares(&misfits(&candidate.fit.machine, training.iter().copied().zip(starts))?))
     };
     Ok(fall(&left(without)?, &left(with)?))
 }
@@ -99,19 +97,20 @@ pub fn confirm(
     training: &[&Prepared],
     held_out: &[&Prepared],
 ) -> Result<Confirmation, MachineError> {
-    let (base, chosen) = (&without.fit.machine, &with.fit.machine);
+    let missed = |candidate: &Candidate| -> Result<Residuals, MachineError> {
+        let machine = &candidate.fit.machine;
+        held_out.iter().map(|case| standardised(machine, case, settle(machine, case)?)).collect()
+    };
+    let (missed_without, missed_with) = (missed(without)?, missed(with)?);
     let mut improved = 0;
     let mut signals: Vec<(Signal, f64)> = Vec::new();
     let mut least_fit_percent = 100.0_f64;
-    let starts = |machine: &Machine<f64>| -> Result<Vec<(&Prepared, StartState)>, MachineError> {
-        held_out.iter().map(|&case| Ok((case, settle(machine, case)?))).collect()
-    };
-    let (from, to) = (starts(base)?, starts(chosen)?);
-    for (&(case, from), &(_, start)) in from.iter().zip(&to) {
-        let (before, after) = (softened(base, case, from)?, softened(chosen, case, start)?);
-        let missed = standardised(chosen, case, start)?;
+    for (case, (before, missed)) in held_out.iter().zip(missed_without.iter().zip(&missed_with)) {
+        let (mut before, mut after) = (before.clone(), missed.clone());
+        soften(case, &mut before);
+        soften(case, &mut after);
         let mut total = 0.0;
-        for ((channel, missed), (before, after)) in case.channels.iter().zip(&missed).zip(before.iter().zip(&after)) {
+        for ((channel, missed), (before, after)) in case.channels.iter().zip(missed).zip(before.iter().zip(&after)) {
             let gain = gained(before, after, counts_from(case.stimulus.input_point));
             total += gain;
             add(&mut signals, channel.signal, gain);
@@ -122,6 +121,7 @@ pub fn confirm(
         }
         improved += usize::from(total > 0.0);
     }
+    let left = |missed: &Residuals| squares(&misfits_of(held_out.iter().copied(), missed));
     Ok(Confirmation {
         gain: signals.iter().map(|(_, gain)| gain).sum(),
         least_gain: signals.iter().map(|(_, gain)| *gain).fold(f64::INFINITY, f64::min),
@@ -129,7 +129,7 @@ pub fn confirm(
         improved,
         recordings: held_out.len(),
         promised: promised(without, with, training)?,
-        kept: fall(&squares(base, from)?, &squares(chosen, to)?),
+        kept: fall(&left(&missed_without), &left(&missed_with)),
     })
 }
 

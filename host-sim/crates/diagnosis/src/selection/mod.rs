@@ -4,6 +4,7 @@
 pub mod candidate;
 mod confirmation;
 pub mod decision_rule;
+mod effect_parameter;
 pub mod excerpt;
 mod extended;
 pub mod forward;

@@ -202,12 +202,6 @@ impl Free {
         value <= least || value >= most
     }
 
-    /// Standard deviation of the prior about a value, in the parameter's unit.
-    #[must_use]
-    pub fn deviation_at(&self, value: f64) -> f64 {
-        self.slope(self.coordinate(value)).abs()
-    }
-
     /// Derivative of the value with respect to the coordinate; 0 where the value is held at an end of its range.
     pub(super) fn slope(&self, coordinate: f64) -> f64 {
         match self.freedom {

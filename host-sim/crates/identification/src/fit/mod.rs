@@ -35,8 +35,8 @@ pub use levenberg_marquardt::Progress;
 pub use normal_equations::NormalEquations;
 pub(crate) use normal_equations::OF_START;
 pub use residuals::{
-    Counts, Misfit, Residuals, effective_samples, inflation, loss, misfits, set_tolerances, soft, softened,
-    softened_all, standardised, standardised_all,
+    Counts, Misfit, Residuals, effective_samples, inflation, loss, misfits, misfits_of, set_tolerances, soft, soften,
+    softened, softened_all, standardised, standardised_all, with_channel_tolerances,
 };
 pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
 

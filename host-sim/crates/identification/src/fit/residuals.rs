@@ -5,6 +5,7 @@ use recording::Signal;
 use simulation::{InputPoint, Run, run_in_lanes};
 
 use super::initial_state::StartState;
+use super::{Fit, FitError};
 use crate::experiment::{JudgedSignal, Prepared};
 
 /// Residuals beyond this many times a channel's tolerance count linearly, not by their square.
@@ -33,13 +34,18 @@ pub fn softened_all<'a>(
     let cases: Vec<(&Prepared, StartState)> = cases.into_iter().collect();
     let mut all = standardised_all(machine, cases.iter().copied())?;
     for ((case, _), all) in cases.iter().zip(&mut all) {
-        for (channel, series) in case.channels.iter().zip(all) {
-            for residual in series {
-                *residual = soft(*residual, channel.tolerance).0;
-            }
-        }
+        soften(case, all);
     }
     Ok(all)
+}
+
+/// Softens the residuals of a recording.
+pub fn soften(case: &Prepared, residuals: &mut [Vec<f64>]) {
+    for (channel, series) in case.channels.iter().zip(residuals) {
+        for residual in series {
+            *residual = soft(*residual, channel.tolerance).0;
+        }
+    }
 }
 
 /// Sets the tolerance of every channel by a model's residuals on all recordings: their root mean square over the noise.
@@ -54,6 +60,18 @@ pub fn set_tolerances(
         channel.tolerance = found.map_or(1.0, |misfit| misfit.mean_square().sqrt().max(1.0));
     }
     Ok(())
+}
+
+/// A first fit, with the tolerances that the nominal machine leaves; then sets those that the fit leaves.
+pub fn with_channel_tolerances(
+    machine: &Machine<f64>,
+    cases: &mut [Prepared],
+    search: impl FnOnce(&[&Prepared]) -> Result<Fit, FitError>,
+) -> Result<Fit, FitError> {
+    set_tolerances(machine, cases, &vec![StartState::default(); cases.len()])?;
+    let fit = search(&cases.iter().collect::<Vec<_>>())?;
+    set_tolerances(&fit.machine, cases, &fit.starts)?;
+    Ok(fit)
 }
 
 /// Misfit of a machine in one signal over several recordings.
@@ -80,18 +98,24 @@ pub fn misfits<'a>(
     machine: &Machine<f64>,
     cases: impl IntoIterator<Item = (&'a Prepared, StartState)>,
 ) -> Result<Vec<Misfit>, MachineError> {
-    let mut misfits: Vec<Misfit> = Vec::new();
     let cases: Vec<(&Prepared, StartState)> = cases.into_iter().collect();
-    for ((case, _), all) in cases.iter().zip(standardised_all(machine, cases.iter().copied())?) {
+    let residuals = standardised_all(machine, cases.iter().copied())?;
+    Ok(misfits_of(cases.iter().map(|(case, _)| *case), &residuals))
+}
+
+/// The same of residuals that are known.
+pub fn misfits_of<'a>(cases: impl IntoIterator<Item = &'a Prepared>, residuals: &Residuals) -> Vec<Misfit> {
+    let mut misfits: Vec<Misfit> = Vec::new();
+    for (case, all) in cases.into_iter().zip(residuals) {
         for (channel, series) in case.channels.iter().zip(all) {
-            let (signal, square, rows) = (channel.signal, loss(&series), series.len() as f64);
+            let (signal, square, rows) = (channel.signal, loss(series), series.len() as f64);
             match misfits.iter_mut().find(|misfit| misfit.signal == signal) {
                 Some(misfit) => (misfit.square, misfit.rows) = (misfit.square + square, misfit.rows + rows),
                 None => misfits.push(Misfit { signal, square, rows }),
             }
         }
     }
-    Ok(misfits)
+    misfits
 }
 
 /// Residuals over noise: for each recording one series per channel.

@@ -166,7 +166,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
             let effects = effects.join(" and ");
             match worst(&diagnosis.left) {
                 Some(left) => format!(
-                    "{name}: missing physics, partly explained: {effects}; {} is still {} times its noise off; {confirmed}",
+                    "{name}: missing physics, partly explained: {effects}; {} is still off by {} times its noise; {confirmed}",
                     left.signal,
                     significant(left.over_noise, 2)
                 ),

@@ -11,7 +11,7 @@ use refit::{Beginning, FINELY, Goes, NEARLY, PRECISION, SETTLED};
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
 use identification::fit::{
-    Counts, Fit, FitError, Free, Residuals, StartState, coarse, inflation, loss, set_tolerances, settle, softened,
+    Counts, Fit, FitError, Free, Residuals, coarse, inflation, loss, settle, softened, with_channel_tolerances,
 };
 use model_core::machine::{Machine, Parameter};
 
@@ -118,13 +118,9 @@ impl Candidate {
     /// Refits the machine file's model and sets the tolerance of every channel to the misfit of that refit: residuals far beyond it count linearly in
     /// all later fits. Returns that refit.
     pub fn tolerated(scene: &Scene<'_>, base_parameters: &[Free], training: &mut [Prepared]) -> Result<Fit, FitError> {
-        let nominal = vec![StartState::default(); training.len()];
-        set_tolerances(scene.machine, training, &nominal)?;
-        let references: Vec<&Prepared> = training.iter().collect();
-        let question = Question { scene, base_parameters, hypotheses: &[], training: &references };
-        let base = Self::rough(&question, None)?.fit;
-        set_tolerances(&base.machine, training, &base.starts)?;
-        Ok(base)
+        with_channel_tolerances(scene.machine, training, |training| {
+            Ok(Self::rough(&Question { scene, base_parameters, hypotheses: &[], training }, None)?.fit)
+        })
     }
 
     /// With the plainer effect in the place of the newest one, which extends it, refitted to the end from the extension's solution: the search with

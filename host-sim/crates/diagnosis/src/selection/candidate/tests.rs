@@ -1,4 +1,4 @@
-use identification::fit::{Freedom, effective_samples};
+use identification::fit::{Freedom, StartState, effective_samples};
 use machine_file::LoadSource;
 use recording::Signal;
 use test_press::{extending, press};
