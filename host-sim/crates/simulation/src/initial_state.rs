@@ -42,10 +42,10 @@ pub(crate) struct Offset<R> {
     pub(crate) shift_m: R,
 }
 
-/// Initial pressures where the recording has none: from the level in B and the balance of forces, viscous friction included.
-fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R, velocity: R) -> (R, R) {
+/// Initial pressures where the recording has none: from the level in B and the balance of forces, viscous friction and a measured load included.
+fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R, start: &Start) -> (R, R) {
     let get = |parameter| machine.get(parameter);
-    let force = external(machine, position_m, velocity);
+    let force = around(machine, position_m, start);
     let supply = get(Parameter::SupplyPressure);
     let a = (level * supply * get(Parameter::AreaB) - force) / get(Parameter::AreaA);
     let (low, high) = (supply * R::constant(0.02), supply * R::constant(0.98));
@@ -63,11 +63,15 @@ fn external<R: Real>(machine: &Machine<R>, position_m: R, velocity: R) -> R {
     get(Parameter::LoadForce) - spring - get(Parameter::ViscousFriction) * velocity
 }
 
+/// The force on the rod without the pressures and dry friction as a recording starts, a measured load included, N.
+fn around<R: Real>(machine: &Machine<R>, position_m: R, start: &Start) -> R {
+    external(machine, position_m, R::constant(start.velocity_m_per_s)) + R::constant(start.load_n)
+}
+
 /// The force on the rod without dry friction, N; positive extends.
 fn surplus<R: Real>(machine: &Machine<R>, (a, b): (R, R), position_m: R, start: &Start) -> R {
     let hydraulic = a * machine.get(Parameter::AreaA) - b * machine.get(Parameter::AreaB);
-    let around = external(machine, position_m, R::constant(start.velocity_m_per_s)) + R::constant(start.load_n);
-    hydraulic + around
+    hydraulic + around(machine, position_m, start)
 }
 
 fn limited<R: Real>(value: R, low: R, high: R) -> R {
@@ -118,7 +122,7 @@ impl<R: Real> InitialState<R> {
             (behind(machine, PRESSURE_A, constant(a)), behind(machine, PRESSURE_B, constant(b)))
         } else {
             let level = offset.level.unwrap_or(machine.get(Parameter::LevelAtRest));
-            balanced(machine, level, position_m, constant(start.velocity_m_per_s))
+            balanced(machine, level, position_m, start)
         };
         let per_unit = |pressure: R| pressure / constant(bases.pressure_pa);
         let bristles = if start.pressures_pa.is_some() && machine.has_bristles(bases) {

@@ -1,5 +1,6 @@
 //! A recording on the core's grid: where and by which signals it drives the model, and from which initial state.
 
+mod added_force;
 pub(crate) mod coarse;
 mod load_balance;
 
@@ -249,6 +250,12 @@ impl Stimulus {
         if self.follows { self.spool.as_deref() } else { None }
     }
 
+    /// Whether its load is what balances the recorded pressures, so that no other force acts.
+    #[must_use]
+    pub fn is_balanced(&self) -> bool {
+        self.damping.is_some()
+    }
+
     /// Number of rows of the recording.
     #[must_use]
     pub fn rows(&self) -> usize {
@@ -295,6 +302,12 @@ impl Stimulus {
     /// The same for one recording.
     pub(crate) fn drive_input_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> DriveInput<N> {
         self.drive_input_by(tick, bases, |series, index, base| N::saturated(value_at(series(self), index) / base))
+    }
+
+    /// The values that drive the model, tick by tick.
+    #[must_use]
+    pub fn driving(&self) -> &[f64] {
+        self.entering()
     }
 
     /// The series that drives the model.
