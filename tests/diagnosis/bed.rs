@@ -154,6 +154,19 @@ pub(crate) fn valve_case_as(
     push: Option<&(usize, LoadProfile)>,
     recorded: impl Fn(SyntheticRecording, &str) -> Recording,
 ) -> Case {
+    let load =
+        |index: usize| push.filter(|(at, _)| *at == index).map_or_else(LoadProfile::none, |(_, load)| load.clone());
+    valve_case_loaded(tick_s, seed, effect, load, recorded)
+}
+
+/// The same with a load in each recording.
+pub(crate) fn valve_case_loaded(
+    tick_s: f64,
+    seed: u64,
+    effect: Option<PlantEffect>,
+    load: impl Fn(usize) -> LoadProfile,
+    recorded: impl Fn(SyntheticRecording, &str) -> Recording,
+) -> Case {
     let file = press();
     let mut dice = Dice::new(seed);
     let truth = truth_near(&file.machine, &file.sigma, 1.0, seed);
@@ -174,9 +187,8 @@ pub(crate) fn valve_case_as(
         ("holdout-2.csv", sweep(5.0)),
     ];
     let record = |(index, (name, excitation)): (usize, &(&str, Excitation))| {
-        let pushed = push.filter(|(at, _)| *at == index).map(|(_, load)| load.clone());
         let plant = Plant::new(&truth, 1e-7).unwrap().with_effects(effect.as_slice());
-        let plant = plant.with_load(pushed.unwrap_or_else(LoadProfile::none));
+        let plant = plant.with_load(load(index));
         let mut sensors = Sensors::with_position(&truth, PositionSensor::Linear { resolution_m: 2.5e-5 });
         sensors.spool.noise_std = 5e-4;
         let bench = Bench { tick_s, seed: 1000 * seed + index as u64, ..Bench::new(plant, sensors) };

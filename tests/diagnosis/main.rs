@@ -16,6 +16,7 @@ mod in_a_hall;
 mod long;
 mod oil;
 mod once;
+mod outside;
 mod pressure_zero;
 mod real;
 mod real_actuator;

@@ -14,20 +14,23 @@ use recording::{Recording, Signal};
 use simulation::signal::noise::extent;
 use simulation::simulate_f64;
 
-use crate::before_after::show_all;
+use crate::before_after::{Driven, show_all};
 use crate::catalogue::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::correction_table::improved;
 use crate::decision::{Decision, decide};
 use crate::finding::Finding;
 use crate::localisation::locate::locate;
-use crate::localisation::{Case, Miss, Sought, misses};
+use crate::localisation::{Case, Location, Miss, Sought, misses};
 use crate::outcome::{Diagnosis, Verdict};
+use crate::outside::{self, Outside};
 use crate::selection::candidate::Reference;
-use crate::selection::decision_rule::{BELOW_VACUUM_PA, NEAR_TANK_PA, UNEXPLAINED_FROM};
+use crate::selection::decision_rule::{
+    BELOW_VACUUM_PA, NEAR_TANK_PA, OUTSIDE_KEEPS, OUTSIDE_SPOILS, SEARCHED_TO, UNEXPLAINED_FROM,
+};
 use crate::selection::excerpt::Excerpt;
 use crate::selection::forward::select;
 use crate::selection::screen::Lead;
-use crate::selection::{Candidate, Question, Selection, lengthened};
+use crate::selection::{Candidate, Question, Selection, explains_enough, lengthened};
 use crate::settled_valve::SettledValve;
 
 /// Why there is no diagnosis.
@@ -101,7 +104,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, DiagnoseError> {
     let prepare = |recording: &Recording| Prepared::new(recording, &file.machine, file.load_source, tick);
     let mut trained: Vec<Prepared> = training.iter().map(prepare).collect::<Result<_, _>>()?;
-    let held: Vec<Prepared> = held_out.iter().map(prepare).collect::<Result<_, _>>()?;
+    let mut held: Vec<Prepared> = held_out.iter().map(prepare).collect::<Result<_, _>>()?;
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     check_entries(&trained, &held)?;
 
@@ -128,20 +131,27 @@ pub fn diagnose(
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, base_parameters, hypotheses: &hypotheses };
     let mut selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;
+    let outside = if excerpt.is_none() { asked.outside(&selection, &trained, &held, progress)? } else { None };
+    // Where and how the misfit looks is told of the model without a force from outside.
+    let (plain_trained, plain_held, plain_base) = (trained.clone(), held.clone(), selection.base.clone());
+    let outside = outside.map(|found| {
+        (trained, held, selection) = (found.trained, found.held, found.selection);
+        found.told
+    });
 
     let references: Vec<&Prepared> = trained.iter().collect();
     let opened: Vec<&Prepared> = held.iter().collect();
     let Decision { findings, not_confirmed, confirmation, after, estimates } =
         decide(&asked.of(&references), &mut selection, &opened)?;
-    let base = &selection.base.fit;
-    let verdict = verdict(&findings, selection.base.worst_over_noise(&asked.of(&references)));
+    let without: Vec<&Prepared> = plain_trained.iter().collect();
+    let verdict = verdict(&findings, plain_base.worst_over_noise(&asked.of(&without)));
     // Where and how it looks is told by what was searched.
     let (recordings, searched) = match &excerpt {
         Some(excerpt) => (excerpt.recordings.as_slice(), excerpt.cases.iter().collect()),
-        None => (training, references.clone()),
+        None => (training, without.clone()),
     };
     let question = asked.of(&searched);
-    let seen = if excerpt.is_some() { selection.base.finished(&question)? } else { selection.base.clone() };
+    let seen = if excerpt.is_some() { plain_base.finished(&question)? } else { plain_base.clone() };
     let cases = cases(recordings, &searched, &seen.fit.starts);
     let suspected = if verdict == Verdict::NothingMissing { selection.suspected() } else { None };
     // What was named tells the link better than what it looks like from outside; within the noise, only what was all but named.
@@ -154,22 +164,12 @@ pub fn diagnose(
     let located = if verdict == Verdict::NothingMissing && named.is_empty() {
         None
     } else {
-        let predicted_gains = if named.is_empty() {
-            predicted_gains(&Reference::new(&question, &seen)?.leads(&hypotheses)?)
-        } else {
-            Vec::new()
-        };
-        let sought = Sought {
-            machine: &seen.fit.machine,
-            load: file.load_source,
-            cases: &cases,
-            named: &named,
-            predicted_gains: &predicted_gains,
-        };
-        Some(locate(&sought)?)
+        Some(place(&question, &seen, &cases, &named)?)
     };
     let tabled = match &located {
-        Some(location) if verdict == Verdict::Unexplained => improved(&question, &seen, location, &cases, &opened)?,
+        Some(location) if verdict == Verdict::Unexplained && outside.is_none() => {
+            improved(&question, &seen, location, &cases, &opened)?
+        }
         _ => None,
     };
     let (estimates, after, unnamed) = match tabled {
@@ -178,7 +178,10 @@ pub fn diagnose(
     };
     let left = above_noise_by(&after, &references)?;
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
-    let shown = show_all(trained, held, base, &after.fit)?;
+    let shown = show_all(
+        &Driven { fit: &plain_base.fit, trained: &plain_trained, held: &plain_held },
+        &Driven { fit: &after.fit, trained: &trained, held: &held },
+    )?;
     let of_spool = valve.map(|valve| valve.estimates).unwrap_or_default();
     Ok(Diagnosis {
         machine: file.name.clone(),
@@ -187,6 +190,7 @@ pub fn diagnose(
         located,
         suspected,
         findings,
+        outside,
         left,
         not_confirmed,
         unnamed,
@@ -200,6 +204,22 @@ pub fn diagnose(
         not_testable,
         selection,
     })
+}
+
+/// Where the misfit of a model is, by what was named of it, or else by what the best hypothesis of each subsystem would gain.
+fn place(
+    question: &Question<'_>,
+    seen: &Candidate,
+    cases: &[Case<'_>],
+    named: &[Subsystem],
+) -> Result<Location, FitError> {
+    let predicted_gains = if named.is_empty() {
+        predicted_gains(&Reference::new(question, seen)?.leads(question.hypotheses)?)
+    } else {
+        Vec::new()
+    };
+    let (machine, load) = (&seen.fit.machine, question.scene.load);
+    Ok(locate(&Sought { machine, load, cases, named, predicted_gains: &predicted_gains })?)
 }
 
 /// How it ended: by what was found, and how many times its noise the worst signal of the base model is off.
@@ -251,6 +271,42 @@ impl<'a> Asked<'a> {
         Ok(selection)
     }
 
+    /// A cause outside the drive that explains what the catalogue does not, with the search repeated beside it.
+    fn outside(
+        self,
+        selection: &Selection,
+        trained: &[Prepared],
+        held: &[Prepared],
+        progress: Progress<'_>,
+    ) -> Result<Option<Beside>, FitError> {
+        let references: Vec<&Prepared> = trained.iter().collect();
+        let question = self.of(&references);
+        let is_explained = explains_enough(&question, &selection.base, &selection.chosen, SEARCHED_TO);
+        // The load that balances recorded pressures has every force in it.
+        if is_explained || trained.iter().any(|case| case.stimulus.is_balanced()) {
+            return Ok(None);
+        }
+        let Some(found) = outside::find(&question, &selection.base, &selection.rounds)? else { return Ok(None) };
+        let done = |name: &str| progress(name);
+        let trained = found.force.on(&references);
+        let forced: Vec<&Prepared> = trained.iter().collect();
+        let mut beside = select(&self.of(&forced), &found.near, &done)?;
+        beside.find_jumps(&self.of(&forced), &done)?;
+        let opened: Vec<&Prepared> = held.iter().collect();
+        let (was, is) = (&selection.base.fit.machine, &beside.base.fit.machine);
+        let in_held = found.force.in_others(is, &opened)?;
+        let held = in_held.as_ref().map_or_else(|| held.to_vec(), |force| force.on(&opened));
+        let with: Vec<&Prepared> = held.iter().collect();
+        let kept = if held.is_empty() { None } else { Some(outside::explains_held_out((was, &opened), (is, &with))?) };
+        let least = if in_held.is_some() { OUTSIDE_KEEPS * found.explains } else { -OUTSIDE_SPOILS };
+        let told = Outside {
+            cause: found.force.cause(&references),
+            explains: found.explains,
+            explains_held_out: kept.filter(|_| in_held.is_some()),
+        };
+        Ok(kept.is_none_or(|kept| kept > least).then_some(Beside { told, selection: beside, trained, held }))
+    }
+
     /// The same as far as free runs tell.
     fn searched(
         self,
@@ -272,6 +328,14 @@ impl<'a> Asked<'a> {
         let references: Vec<&Prepared> = trained.iter().collect();
         lengthened(&self.of(&references), &found, done)
     }
+}
+
+/// A search beside a force from outside, with the recordings that have that force as an input.
+struct Beside {
+    told: Outside,
+    selection: Selection,
+    trained: Vec<Prepared>,
+    held: Vec<Prepared>,
 }
 
 /// Signals that a candidate model still misses by more than noise.

@@ -17,6 +17,7 @@ mod diagnose;
 mod finding;
 pub mod localisation;
 mod outcome;
+pub mod outside;
 mod pressure_zero;
 pub mod selection;
 mod settled_valve;

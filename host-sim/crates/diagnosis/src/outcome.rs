@@ -14,6 +14,7 @@ use crate::catalogue::Hypothesis;
 use crate::correction_table::Unnamed;
 use crate::finding::Finding;
 use crate::localisation::{Location, Miss};
+use crate::outside::Outside;
 use crate::selection::{Confirmation, Selection};
 
 /// How it ended.
@@ -42,6 +43,8 @@ pub struct Diagnosis {
     pub suspected: Option<&'static Hypothesis>,
     /// The accepted effects, most certain first.
     pub findings: Vec<Finding>,
+    /// A cause outside the drive that explains most of a mismatch. Never a finding.
+    pub outside: Option<Outside>,
     /// Signals whose misfit on the training recordings is still above the noise with the accepted effects.
     pub left: Vec<Miss>,
     /// Effects that training recordings chose and held-out ones did not confirm.
@@ -121,10 +124,10 @@ impl Diagnosis {
         self.shown.iter().filter(move |shown| shown.held_out == held_out)
     }
 
-    /// Whether the model after differs from the one before: by accepted effects, or by a correction table.
+    /// Whether the model after differs from the one before: by accepted effects, a force from outside, or a correction table.
     #[must_use]
     pub fn changes(&self) -> bool {
-        !self.findings.is_empty() || self.unnamed.is_some()
+        !self.findings.is_empty() || self.unnamed.is_some() || self.outside.is_some()
     }
 
     /// Refitted base parameters far from where the machine file says they are.

@@ -38,7 +38,7 @@ pub use residuals::{
     Counts, Misfit, Residuals, effective_samples, inflation, loss, misfits, misfits_of, set_tolerances, soft, soften,
     softened, softened_all, standardised, standardised_all, with_channel_tolerances,
 };
-pub use sensitivity::{Change, Sensitivity, Settled, Simulated};
+pub use sensitivity::{Change, Directed, Sensitivity, Settled, Simulated};
 
 /// Largest number of parameters in one fit.
 pub const MOST_PARAMETERS: usize = simulation::MOST_PARAMETERS;
@@ -88,6 +88,13 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// A machine as it is, from these states of the recordings: nothing is free.
+    #[must_use]
+    pub fn of(machine: Machine<f64>, starts: Vec<StartState>) -> Self {
+        let (free, coordinates, normal_equations) = (Vec::new(), Vec::new(), Vec::new());
+        Self { machine, free, coordinates, starts, normal_equations, converged: true, loss: 0.0 }
+    }
+
     /// Every free parameter with its standard deviation; `inflation` is how many times more rows there are than independent
     /// samples.
     #[must_use]

@@ -5,6 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use model_core::machine::{Machine, MachineError};
 use simulation::number::dual::single;
+use simulation::{Run, Stimulus};
 
 use super::initial_state::StartState;
 use super::jacobian::At;
@@ -16,6 +17,9 @@ use crate::experiment::Prepared;
 /// Largest number of rows that are kept. Of longer recordings every n-th row is kept and stands for those left out:
 /// residuals and derivatives weigh as much as those of all rows.
 const MOST_ROWS: usize = 60_000;
+
+/// Runs of one task.
+const RUNS_AT_ONCE: usize = 16;
 
 /// Which rows are kept.
 #[derive(Clone, Copy, Debug)]
@@ -97,6 +101,12 @@ impl<'a> Sensitivity<'a> {
         simulated(machine, &runs(machine, cases), |row| self.kept.has(row))
     }
 
+    /// Half the sum of the squared residuals at the solution, without priors.
+    #[must_use]
+    pub fn misfit(&self) -> f64 {
+        self.blocks.iter().flat_map(|block| &block.residuals).map(|(residual, _)| 0.5 * residual * residual).sum()
+    }
+
     /// Index in the simulated values at which a row's channels begin; `None` where the row is left out.
     #[must_use]
     pub fn place_of(&self, row: usize) -> Option<usize> {
@@ -106,23 +116,49 @@ impl<'a> Sensitivity<'a> {
     /// Residuals of what another machine simulates, as they would enter the loss, less those of the solution.
     #[must_use]
     pub fn change(&self, simulated: &Simulated) -> Change {
-        self.cases
-            .iter()
-            .zip(simulated.iter().zip(&self.blocks))
-            .map(|(case, (simulated, block))| {
-                let channels = case.channels.len();
-                let each = simulated.iter().zip(&block.residuals).enumerate();
-                each.map(|(index, (there, (here, slope)))| {
-                    if *slope == 0.0 {
-                        return 0.0;
-                    }
-                    let (channel, row) = (&case.channels[index % channels], index / channels * self.kept.stride);
-                    let residual = soft(missed(channel, row, Some(*there)), channel.tolerance).0;
-                    self.kept.weight * residual - here
-                })
-                .collect()
-            })
-            .collect()
+        simulated.iter().enumerate().map(|(case, simulated)| self.change_of(case, simulated)).collect()
+    }
+
+    /// The same of one recording.
+    fn change_of(&self, case: usize, simulated: &[f64]) -> Vec<f64> {
+        let (channels, block) = (&self.cases[case].channels, &self.blocks[case]);
+        let each = simulated.iter().zip(&block.residuals).enumerate();
+        each.map(|(index, (there, (here, slope)))| {
+            if *slope == 0.0 {
+                return 0.0;
+            }
+            let (channel, row) = (&channels[index % channels.len()], index / channels.len() * self.kept.stride);
+            let residual = soft(missed(channel, row, Some(*there)), channel.tolerance).0;
+            self.kept.weight * residual - here
+        })
+        .collect()
+    }
+
+    /// Residuals under a further force on the rod, each in one recording (its index, then N at the points of its grid), less those of the solution. In
+    /// the other recordings nothing changes: their series are empty.
+    pub fn changes_by_force(&self, forces: &[(usize, Vec<f64>)]) -> Result<Vec<Change>, MachineError> {
+        let forced: Vec<Stimulus> =
+            forces.iter().map(|(case, force_n)| self.cases[*case].stimulus.with_force(force_n)).collect();
+        let with_starts = forces.iter().map(|&(case, _)| (self.cases[case], self.fit.starts[case]));
+        let plain = runs(&self.fit.machine, with_starts);
+        let runs: Vec<Run<'_>> =
+            plain.into_iter().zip(&forced).map(|(run, stimulus)| Run { stimulus, ..run }).collect();
+        // As many as run side by side: all of them at once would keep every row of every run.
+        let parts =
+            parallel::try_each(runs.chunks(RUNS_AT_ONCE).zip(forces.chunks(RUNS_AT_ONCE)), |(runs, forces)| {
+                let there = simulated(&self.fit.machine, runs, |row| self.kept.has(row))?;
+                Ok::<_, MachineError>(
+                    forces.iter().zip(there).map(|((case, _), there)| self.only(*case, &there)).collect(),
+                )
+            })?;
+        Ok(parts.into_iter().flat_map(|part: Vec<Change>| part).collect())
+    }
+
+    /// A change of one recording alone.
+    fn only(&self, case: usize, simulated: &[f64]) -> Change {
+        let mut change: Change = vec![Vec::new(); self.cases.len()];
+        change[case] = self.change_of(case, simulated);
+        change
     }
 
     /// Derivatives with respect to every coordinate times a change.
@@ -171,23 +207,26 @@ impl<'a> Sensitivity<'a> {
     /// `positive` is set; and the gain of all of them.
     #[must_use]
     pub fn amounts(&self, directions: &[Change], positive: &[bool]) -> (Vec<f64>, f64) {
+        self.directed(directions).amounts(positive)
+    }
+
+    /// What directions change after a linearised refit of the free parameters.
+    #[must_use]
+    pub fn directed(&self, directions: &[Change]) -> Directed {
         let across: Vec<DVector<f64>> = directions.iter().map(|direction| self.across(direction)).collect();
         let settled: Vec<DVector<f64>> = across.iter().map(|across| self.factor.solve(across)).collect();
         let own = self.factor.solve(&self.gradient);
-        let inner = |a: &Change, b: &dyn Fn(usize, usize) -> f64| -> f64 {
-            a.iter()
-                .enumerate()
-                .map(|(case, a)| a.iter().enumerate().map(|(row, a)| a * b(case, row)).sum::<f64>())
-                .sum()
-        };
         let count = directions.len();
         let mut matrix = DMatrix::zeros(count, count);
         let mut right = DVector::zeros(count);
         for row in 0..count {
-            right[row] =
-                across[row].dot(&own) - inner(&directions[row], &|case, index| self.blocks[case].residuals[index].0);
+            let here = self.blocks.iter().zip(&directions[row]).map(|(block, direction)| {
+                direction.iter().zip(&block.residuals).map(|(change, (residual, _))| change * residual).sum::<f64>()
+            });
+            right[row] = across[row].dot(&own) - here.sum::<f64>();
             for column in row..count {
-                let plain = inner(&directions[row], &|case, index| directions[column][case][index]);
+                let cases = directions[row].iter().zip(&directions[column]);
+                let plain: f64 = cases.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()).sum();
                 matrix[(row, column)] = plain - across[row].dot(&settled[column]);
                 matrix[(column, row)] = matrix[(row, column)];
             }
@@ -197,27 +236,51 @@ impl<'a> Sensitivity<'a> {
             let size: f64 = matrix[(index, index)];
             matrix[(index, index)] = size * (1.0 + 1e-9) + 1e-6;
         }
+        Directed { matrix, right }
+    }
+}
+
+/// The loss over amounts of several directions, the free parameters refitted linearly for each of them.
+#[derive(Clone, Debug)]
+pub struct Directed {
+    matrix: DMatrix<f64>,
+    right: DVector<f64>,
+}
+
+impl Directed {
+    /// Amount of each direction that lowers the loss most, at least 0 where `positive` is set; and the gain of all of them.
+    #[must_use]
+    pub fn amounts(&self, positive: &[bool]) -> (Vec<f64>, f64) {
+        let count = self.right.len();
         let mut active: Vec<usize> = (0..count).collect();
-        loop {
-            let size = active.len();
-            let part = DMatrix::from_fn(size, size, |row, column| matrix[(active[row], active[column])]);
-            let wanted = DVector::from_fn(size, |row, _| right[active[row]]);
-            let Some(solved) = part.cholesky().map(|factor| factor.solve(&wanted)) else {
-                return (vec![0.0; count], 0.0);
-            };
-            let negative = (0..size).filter(|&slot| positive[active[slot]] && solved[slot] <= 0.0);
+        while !active.is_empty() {
+            let Some((solved, gain)) = self.solved(&active) else { break };
+            let negative = (0..active.len()).filter(|&slot| positive[active[slot]] && solved[slot] <= 0.0);
             let Some(worst) = negative.min_by(|&a, &b| solved[a].total_cmp(&solved[b])) else {
                 let mut amounts = vec![0.0; count];
                 for (slot, &index) in active.iter().enumerate() {
                     amounts[index] = solved[slot];
                 }
-                return (amounts, 0.5 * solved.dot(&wanted));
+                return (amounts, gain);
             };
             active.remove(worst);
-            if active.is_empty() {
-                return (vec![0.0; count], 0.0);
-            }
         }
+        (vec![0.0; count], 0.0)
+    }
+
+    /// The same of some of the directions, the others left out.
+    #[must_use]
+    pub fn amounts_of(&self, directions: &[usize]) -> Option<(Vec<f64>, f64)> {
+        self.solved(directions).map(|(solved, gain)| (solved.as_slice().to_vec(), gain))
+    }
+
+    fn solved(&self, active: &[usize]) -> Option<(DVector<f64>, f64)> {
+        let size = active.len();
+        let part = DMatrix::from_fn(size, size, |row, column| self.matrix[(active[row], active[column])]);
+        let wanted = DVector::from_fn(size, |row, _| self.right[active[row]]);
+        let solved = part.cholesky()?.solve(&wanted);
+        let gain = 0.5 * solved.dot(&wanted);
+        Some((solved, gain))
     }
 }
 

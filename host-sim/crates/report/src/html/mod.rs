@@ -52,6 +52,7 @@ pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                     h1 class=(class(diagnosis.verdict)) { (sentence(diagnosis)) "." }
                     (improvement(diagnosis))
                     (doubtful(diagnosis))
+                    (outside(diagnosis))
                 }
                 (main_picture(diagnosis, exhibits, budget))
                 (located::located(diagnosis, exhibits, budget))
@@ -113,6 +114,15 @@ fn doubtful(diagnosis: &Diagnosis) -> Markup {
         @for doubt in &diagnosis.doubts { p class="fact" { "Doubt: " (wording::doubt(doubt)) "." } }
         @for far in wording::far_values(&diagnosis.far_values()) { p class="fact" { "Far value: " (far) "." } }
         @for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) { p class="fact" { "Tolerance: " (used) "." } }
+    }
+}
+
+/// A cause outside the drive, and how much of the misfit it explains.
+fn outside(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @if let Some(outside) = &diagnosis.outside {
+            p class="fact" { "From outside: " (wording::outside_cause(&outside.cause)) ". It explains " (wording::outside_explains(outside)) "." }
+        }
     }
 }
 

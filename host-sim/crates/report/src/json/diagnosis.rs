@@ -7,6 +7,7 @@ use diagnosis::catalogue::short_name;
 use diagnosis::correction_table::{Axis, Unnamed};
 use diagnosis::localisation::Habit;
 use diagnosis::localisation::error_shape::Shape;
+use diagnosis::outside::{Cause, Outside, Push};
 use diagnosis::selection::Confirmation;
 use diagnosis::{Diagnosis, Finding};
 
@@ -60,6 +61,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "located": located,
         "suspected": diagnosis.suspected.map(|effect| effect.name),
         "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, exhibits, finding)).collect::<Vec<_>>(),
+        "outside": diagnosis.outside.as_ref().map(outside),
         "unnamed": diagnosis.unnamed.as_ref().map(unnamed),
         "confirmed": diagnosis.confirmation.as_ref().map(Confirmation::confirms),
         "confirmation": diagnosis.confirmation.as_ref().map(|confirmation| json!({
@@ -96,6 +98,39 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "residuals": evidence::residuals(&exhibits.whiteness),
         "prepared": evidence::prepared(&exhibits.preprocessing),
     })
+}
+
+/// A cause outside the drive.
+fn outside(outside: &Outside) -> Value {
+    let each = |(recording, force_n): &(String, f64)| json!({ "recording": recording, "force_n": digits(*force_n, 5) });
+    let mut told = match &outside.cause {
+        Cause::Load(loads) => json!({ "kind": "load", "in": loads.iter().map(each).collect::<Vec<_>>() }),
+        Cause::Push(pushes) => {
+            let push = |push: &Push| {
+                json!({
+                    "recording": push.recording,
+                    "from_s": digits(push.from_s, 5),
+                    "to_s": digits(push.to_s, 5),
+                    "mean_n": digits(push.mean_n, 4),
+                    "impulse_n_s": digits(push.impulse_n_s, 4),
+                })
+            };
+            json!({ "kind": "push", "in": pushes.iter().map(push).collect::<Vec<_>>() })
+        }
+        Cause::Periodic { hz, amplitude_n } => json!({
+            "kind": "periodic", "frequency_hz": digits(*hz, 5), "in": amplitude_n.iter().map(each).collect::<Vec<_>>(),
+        }),
+        Cause::Structure { hz, damping, mass_kg } => json!({
+            "kind": "structure",
+            "frequency_hz": digits(*hz, 5),
+            "damping": digits(*damping, 3),
+            "mass_kg": digits(*mass_kg, 4),
+        }),
+    };
+    told["explains"] = json!(digits(outside.explains, 4));
+    told["explains_held_out"] = json!(outside.explains_held_out.map(|share| digits(share, 4)));
+    told["sentence"] = json!(wording::outside_cause(&outside.cause));
+    told
 }
 
 /// What the fit used of a tolerance; the sentence where it was used up.

@@ -82,6 +82,10 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
             effect.name
         );
     }
+    if let Some(outside) = &diagnosis.outside {
+        let (cause, explains) = (wording::outside_cause(&outside.cause), wording::outside_explains(outside));
+        let _ = writeln!(text, "\noutside    {cause}\nexplains   {explains}");
+    }
     if let Some(unnamed) = &diagnosis.unnamed {
         let _ = writeln!(text, "\n{}", wording::correction_table(unnamed));
     }
@@ -163,19 +167,25 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
                 }
                 None => "not confirmed: no recording was held out".to_owned(),
             };
+            let outside = diagnosis.outside.as_ref().map(|outside| wording::outside_cause(&outside.cause));
+            let outside = outside.map_or_else(String::new, |cause| format!("; from outside: {cause}"));
             let effects = effects.join(" and ");
             match worst(&diagnosis.left) {
                 Some(left) => format!(
-                    "{name}: missing physics, partly explained: {effects}; {} is still off by {} times its noise; {confirmed}",
+                    "{name}: missing physics, partly explained: {effects}; {} is still off by {} times its noise; {confirmed}{outside}",
                     left.signal,
                     significant(left.over_noise, 2)
                 ),
-                None => format!("{name}: missing physics: {effects}; {confirmed}"),
+                None => format!("{name}: missing physics: {effects}; {confirmed}{outside}"),
             }
         }
         Verdict::NothingMissing => {
             format!("{name}: nothing missing: the refitted model follows the recordings within their noise")
         }
+        Verdict::Unexplained if let Some(outside) = &diagnosis.outside => format!(
+            "{name}: unexplained by the drive itself: from outside comes {}; no effect of the catalogue explains as much",
+            wording::outside_cause(&outside.cause)
+        ),
         Verdict::Unexplained => {
             format!(
                 "{name}: unexplained: there is a misfit above the noise, and no effect of the catalogue explains it"

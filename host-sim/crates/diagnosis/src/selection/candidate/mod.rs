@@ -6,7 +6,7 @@ mod refit;
 mod uncertainty;
 
 use identification::parallel;
-use refit::{Beginning, FINELY, Goes, NEARLY, PRECISION, SETTLED};
+use refit::{Beginning, FINELY, Goes, PRECISION};
 
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
@@ -19,6 +19,7 @@ use super::screen::Lead;
 use crate::catalogue::{EffectParameter, Form, Hypothesis, Scene, is_elastic};
 
 pub use neighbours::{Reference, Weighing, noisier};
+pub(crate) use refit::{NEARLY, SETTLED};
 
 /// The question put to the training recordings.
 #[derive(Clone, Copy, Debug)]
@@ -105,9 +106,18 @@ impl Candidate {
 
     /// The machine file's model with the precision of the reference for all candidate models.
     fn to_the_end(&self, question: &Question<'_>) -> Result<Self, FitError> {
-        // Where residuals are correlated over n rows, a fall of the loss has n times less significance.
-        let precision = (inflation(&self.residuals, self.counts) * FINELY).min(PRECISION);
-        Self::base_parameters(question, Some(&self.fit), precision)
+        Self::base_parameters(question, Some(&self.fit), self.negligible().min(PRECISION))
+    }
+
+    /// A share of the loss that is not worth a step: where residuals are correlated over n rows, a fall of the loss has n times less significance.
+    fn negligible(&self) -> f64 {
+        inflation(&self.residuals, self.counts) * FINELY
+    }
+
+    /// A refit from here to the end: the more its residuals are correlated, the earlier a further step is worth nothing.
+    fn to_its_end(&self) -> Goes<'static> {
+        // Without residuals there is no such share.
+        Goes::ToTheEnd(self.negligible().max(PRECISION).min(SETTLED))
     }
 
     /// The machine file's model, roughly refitted.
@@ -139,7 +149,7 @@ impl Candidate {
         }
         let values = [(extension.given, taken.iter().sum::<f64>() / taken.len() as f64)];
         let effects = others.iter().copied().chain([Chosen { effect, form }]).collect();
-        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::ToTheEnd };
+        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: self.to_its_end() };
         Self::refitted(question, effects, self.jumps.clone(), &from).map(Some)
     }
 
@@ -155,12 +165,21 @@ impl Candidate {
             self.vanished(question.scene).into_iter().chain(self.stranded(question.scene)).collect();
         let again = if lost.is_empty() { self } else { self.or_from(question, &lost)? };
         // Where much is free, a model without the effect leads the base parameters to places from which no search comes back.
-        if again.is_pulled(question) && question.has_tolerances() {
-            let nominal: Vec<_> =
-                question.base_parameters.iter().map(|free| (free.parameter, free.value(0.0))).collect();
-            return again.or_from(question, &nominal);
+        if again.is_pulled(question) && question.has_tolerances() { again.or_from_nominal(question) } else { Ok(again) }
+    }
+
+    /// This candidate model, or the one that a refit from the nominal base parameters ends at, if its loss is smaller. That refit goes to the end only
+    /// where it comes below this one's loss.
+    fn or_from_nominal(self, question: &Question<'_>) -> Result<Self, FitError> {
+        let values: Vec<_> = question.base_parameters.iter().map(|free| (free.parameter, free.value(0.0))).collect();
+        let coarser = coarse(question.training, &self.fit.machine, &self.fit.starts)?;
+        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::Nearly(&coarser) };
+        let near = Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)?;
+        if near.fit.loss >= self.fit.loss {
+            return Ok(self);
         }
-        Ok(again)
+        let again = near.again_from(question, &[])?;
+        Ok(if again.fit.loss < self.fit.loss { again } else { self })
     }
 
     /// This candidate model, or the one that a refit from these values of some of its parameters ends at, if its loss is smaller.
@@ -171,7 +190,7 @@ impl Candidate {
 
     /// Refitted to the end from its own solution, except for these starting values.
     fn again_from(&self, question: &Question<'_>, values: &[(Parameter, f64)]) -> Result<Self, FitError> {
-        let from = Beginning { fit: &self.fit, values, settled: &[], goes: Goes::ToTheEnd };
+        let from = Beginning { fit: &self.fit, values, settled: &[], goes: self.to_its_end() };
         Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)
     }
 
@@ -180,7 +199,7 @@ impl Candidate {
         let effects = other.effects.iter().chain(&self.effects).copied().collect();
         let jumps = other.jumps.iter().chain(&self.jumps).copied().collect();
         let fit = self.fit.beside(&other.fit);
-        let from = Beginning { fit: &fit, values: &[], settled: &[], goes: Goes::ToTheEnd };
+        let from = Beginning { fit: &fit, values: &[], settled: &[], goes: self.to_its_end() };
         Self::refitted(question, effects, jumps, &from)
     }
 
@@ -196,7 +215,7 @@ impl Candidate {
         let gone = std::mem::replace(&mut effects[index], by);
         let mut jumps = self.jumps.clone();
         jumps.retain(|(parameter, _)| !is_jump(gone.form, *parameter));
-        let from = Beginning { fit: &self.fit, values, settled: &[], goes: Goes::ToTheEnd };
+        let from = Beginning { fit: &self.fit, values, settled: &[], goes: self.to_its_end() };
         Self::refitted(question, effects, jumps, &from)
     }
 
@@ -224,7 +243,7 @@ impl Candidate {
                 .map(|base_parameters| (base_parameters, fitted(base_parameters) - fitted(effect_parameter.parameter)))
         };
         let values: Vec<_> = gone.iter().flat_map(|chosen| chosen.form.iter()).filter_map(left).collect();
-        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::ToTheEnd };
+        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: self.to_its_end() };
         Self::refitted(question, kept, jumps, &from)
     }
 

@@ -24,11 +24,14 @@ const ROUGHLY: f64 = 0.03;
 pub(crate) const NARROWEST: f64 = 0.01;
 
 /// How far a refit goes.
+#[derive(Clone, Copy)]
 pub(crate) enum Goes<'a> {
-    /// To the end.
-    ToTheEnd,
+    /// To the end: until the loss falls by less than this share in a step.
+    ToTheEnd(f64),
     /// Only for a first look, on the training recordings at twice the tick around where it begins.
     Roughly(&'a [Prepared]),
+    /// The same for one of several starts.
+    Nearly(&'a [Prepared]),
 }
 
 /// Where a refit begins.
@@ -110,8 +113,9 @@ impl Candidate {
         let free = free(question, &effects);
         let coordinates = coordinates(&free, from.values);
         let (training, precision) = match from.goes {
-            Goes::ToTheEnd => (question.training.to_vec(), PRECISION),
+            Goes::ToTheEnd(precision) => (question.training.to_vec(), precision),
             Goes::Roughly(coarser) => (coarser.iter().collect(), ROUGHLY),
+            Goes::Nearly(coarser) => (coarser.iter().collect(), NEARLY),
         };
         let refit = |jumps: &[(Parameter, f64)], start: &From<'_>| {
             fit(&with(question.scene.machine, jumps), &free, &training, start, precision)
@@ -126,7 +130,7 @@ impl Candidate {
             drop(sensitivity);
             found = refit(&jumps, &From { solution: Some(&found), ..From::default() })?;
         }
-        Self::of(question, effects, found, jumps, precision <= PRECISION)
+        Self::of(question, effects, found, jumps, matches!(from.goes, Goes::ToTheEnd(_)))
     }
 
     /// Refitted to the end, from its own solution, to `others`, the same recordings with more noise; its residuals and loss are those on the

@@ -1,0 +1,145 @@
+//! Forces from outside that would explain most of a misfit, each kind's best, by linear responses at a solution.
+
+use std::f64::consts::TAU;
+
+use identification::experiment::Prepared;
+use identification::fit::{FitError, Sensitivity};
+use identification::parallel;
+use model_core::machine::Machine;
+
+use super::shape::{NODES, Shape, Window};
+use super::{Force, directions, unit};
+
+/// Longest push, as a share of the nodes of a recording: what lasts longer is no push.
+const LONGEST_PUSH: usize = NODES / 4;
+/// The shortest push that gains this share of what the best one gains is taken.
+const ENOUGH_OF_BEST: f64 = 0.95;
+/// A push in another recording has to gain this share of what the first one gains.
+const FURTHER_PUSH: f64 = 0.1;
+/// Frequencies of a periodic force, Hz.
+const PERIODIC_HZ: (f64, f64) = (1.0, 60.0);
+/// Least number of periods in the shortest recording.
+const FEWEST_PERIODS: f64 = 4.0;
+/// Two frequencies are told apart where they differ by this share of a period over a recording.
+const FREQUENCY_STEP: f64 = 0.4;
+/// Share of a command's variance at a frequency from which a period is the command's own.
+const COMMANDED_FROM: f64 = 0.3;
+/// Frequencies of a structure, Hz, and how many are tried.
+const STRUCTURE_HZ: (f64, f64, usize) = (2.0, 60.0, 80);
+/// Dampings of a structure.
+const STRUCTURE_DAMPING: [f64; 2] = [0.02, 0.08];
+/// A wave has to have this many ticks a period.
+const TICKS_A_PERIOD: f64 = 8.0;
+
+/// A force with the gain that is expected of it.
+pub(super) struct Proposal {
+    pub(super) force: Force,
+    pub(super) gain: f64,
+}
+
+/// The best of each kind.
+pub(super) fn proposals(
+    machine: &Machine<f64>,
+    sensitivity: &Sensitivity<'_>,
+    cases: &[&Prepared],
+) -> Result<Vec<Proposal>, FitError> {
+    let at = |shape: Shape| -> Result<Proposal, FitError> {
+        let (unit, amounts, positive) =
+            (unit(machine, &shape), shape.amounts(cases.len()), shape.positive(cases.len()));
+        let all = directions(sensitivity, shape.units(cases), unit, amounts, cases.len())?;
+        let (steps, gain) = sensitivity.directed(&all).amounts(&positive);
+        let amounts = steps.into_iter().map(|step| unit * step).collect();
+        Ok(Proposal { force: Force { shape, amounts }, gain })
+    };
+    let best_of = |shapes: Vec<Shape>| -> Result<Option<Proposal>, FitError> {
+        let all = parallel::try_each(shapes, at)?;
+        Ok(all.into_iter().max_by(|a, b| a.gain.total_cmp(&b.gain)))
+    };
+    let mut found: Vec<Proposal> = Vec::new();
+    if cases.len() > 1 {
+        found.push(at(Shape::Load)?);
+    }
+    let windows = pushes(machine, sensitivity, cases)?;
+    if !windows.is_empty() {
+        found.push(at(Shape::Pushes(windows))?);
+    }
+    found.extend(best_of(frequencies(cases).into_iter().map(|hz| Shape::Periodic { hz }).collect())?);
+    found.extend(best_of(structures(cases))?);
+    Ok(found)
+}
+
+/// Where a push explains most: at most one in a recording, in no more than half of the recordings. What happens in more of them is no accident.
+fn pushes(machine: &Machine<f64>, sensitivity: &Sensitivity<'_>, cases: &[&Prepared]) -> Result<Vec<Window>, FitError> {
+    let in_case = |case: usize| -> Result<Option<(Window, f64)>, FitError> {
+        let shape = Shape::Pushes(vec![Window { case, first: 0, last: NODES }]);
+        let unit = unit(machine, &shape);
+        let all = directions(sensitivity, shape.units(cases), unit, shape.amounts(cases.len()), cases.len())?;
+        let directed = sensitivity.directed(&all);
+        let gain = |first: usize, last: usize| {
+            directed.amounts_of(&(first..=last).collect::<Vec<_>>()).map_or(0.0, |(_, gain)| gain)
+        };
+        let windows = (1..=LONGEST_PUSH).map(|nodes| {
+            let each = (0..=NODES + 1 - nodes).map(|first| (first, first + nodes - 1));
+            let gains = each
+                .filter(|(_, last)| *last <= NODES)
+                .map(|(first, last)| (Window { case, first, last }, gain(first, last)));
+            gains.max_by(|a, b| a.1.total_cmp(&b.1))
+        });
+        let best_of_length: Vec<(Window, f64)> = windows.flatten().collect();
+        let most = best_of_length.iter().map(|(_, gain)| *gain).fold(0.0, f64::max);
+        Ok(best_of_length.into_iter().find(|(_, gain)| *gain >= ENOUGH_OF_BEST * most))
+    };
+    let mut found: Vec<(Window, f64)> = parallel::try_each(0..cases.len(), in_case)?.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let first = found.first().map_or(0.0, |(_, gain)| *gain);
+    let kept = found.into_iter().filter(|(_, gain)| *gain > FURTHER_PUSH * first).take((cases.len() / 2).max(1));
+    Ok(kept.map(|(window, _)| window).collect())
+}
+
+/// Frequencies of a periodic force that the command does not have itself.
+fn frequencies(cases: &[&Prepared]) -> Vec<f64> {
+    let shortest_s = cases.iter().map(|case| case.duration_s()).fold(f64::INFINITY, f64::min);
+    let longest_s = cases.iter().map(|case| case.duration_s()).fold(0.0, f64::max);
+    let mut hz = PERIODIC_HZ.0.max(FEWEST_PERIODS / shortest_s);
+    let mut found = Vec::new();
+    while hz < fastest_hz(cases, PERIODIC_HZ.1) {
+        let is_commanded = |case: &&Prepared| {
+            // A misfit has harmonics of what the command has.
+            [1.0, 2.0, 3.0].into_iter().any(|order| {
+                share_at(case.stimulus.driving(), hz / order * case.stimulus.tick.seconds()) > COMMANDED_FROM
+            })
+        };
+        if !cases.iter().any(is_commanded) {
+            found.push(hz);
+        }
+        hz += FREQUENCY_STEP / longest_s;
+    }
+    found
+}
+
+/// The highest frequency that the recordings' grid can follow.
+fn fastest_hz(cases: &[&Prepared], most_hz: f64) -> f64 {
+    let tick_s = cases.iter().map(|case| case.stimulus.tick.seconds()).fold(0.0, f64::max);
+    most_hz.min(1.0 / (TICKS_A_PERIOD * tick_s))
+}
+
+/// Share of a series' variance that a line of this many cycles a value holds.
+fn share_at(series: &[f64], cycles: f64) -> f64 {
+    let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
+    let (mut cosine, mut sine, mut square) = (0.0, 0.0, 0.0);
+    for (index, value) in series.iter().enumerate() {
+        let (angle, value) = (TAU * cycles * index as f64, value - mean);
+        cosine += value * angle.cos();
+        sine += value * angle.sin();
+        square += value * value;
+    }
+    if square > 0.0 { 2.0 * (cosine * cosine + sine * sine) / (series.len() as f64 * square) } else { 0.0 }
+}
+
+/// Structures over their range of frequencies and dampings.
+fn structures(cases: &[&Prepared]) -> Vec<Shape> {
+    let (low, high, count) = STRUCTURE_HZ;
+    let high = fastest_hz(cases, high);
+    let at = move |index: usize| low * (high / low).powf(index as f64 / (count - 1) as f64);
+    (0..count).flat_map(|index| STRUCTURE_DAMPING.map(|damping| Shape::Structure { hz: at(index), damping })).collect()
+}

@@ -1,0 +1,278 @@
+//! Forces in time that come from outside the drive, in the shapes that they have: the load of each recording, pushes, a periodic force, a structure
+//! that rings.
+
+use std::f64::consts::TAU;
+
+use identification::experiment::Prepared;
+use recording::Signal;
+
+/// What a force follows.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Shape {
+    /// Another load in each recording.
+    Load,
+    /// Pushes, at most one in a recording.
+    Pushes(Vec<Window>),
+    /// Periodic in time.
+    Periodic {
+        /// Frequency, Hz.
+        hz: f64,
+    },
+    /// A mass on a spring and a damper that hangs on the rod.
+    Structure {
+        /// Its frequency while the rod stands, Hz.
+        hz: f64,
+        /// Its damping as a share of critical damping.
+        damping: f64,
+    },
+}
+
+/// When a push acts: nodes of a recording's force, between which it is linear. Outside them there is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Window {
+    /// The recording.
+    pub(super) case: usize,
+    /// The first node with a force.
+    pub(super) first: usize,
+    /// The last one.
+    pub(super) last: usize,
+}
+
+/// The amount of a structure that hangs; the other one is fixed to the rod.
+const HANGING: usize = 0;
+/// Nodes of the force of a recording.
+pub(super) const NODES: usize = 60;
+/// A structure's acceleration is seen up to this many times its frequency: above, differences show a sensor's noise alone.
+const SEEN_TO: f64 = 4.0;
+
+/// Force of one amount of a shape in one recording, N at each point of its grid for an amount of 1.
+pub(super) struct Unit {
+    /// Which amount.
+    pub(super) amount: usize,
+    /// The recording.
+    pub(super) case: usize,
+    /// N per amount.
+    pub(super) force_n: Vec<f64>,
+}
+
+impl Shape {
+    /// Which of the shapes it is.
+    pub(super) fn kind(&self) -> std::mem::Discriminant<Self> {
+        std::mem::discriminant(self)
+    }
+
+    /// Number of amounts over this many recordings.
+    pub(super) fn amounts(&self, cases: usize) -> usize {
+        match self {
+            Self::Load => cases,
+            Self::Pushes(windows) => windows.iter().map(Window::nodes).sum(),
+            Self::Periodic { .. } => 2 * cases,
+            Self::Structure { .. } => 2,
+        }
+    }
+
+    /// Values that shape it: a refit moves them by shares of themselves.
+    pub(super) fn shaping(&self) -> usize {
+        match self {
+            Self::Load | Self::Pushes(_) => 0,
+            Self::Periodic { .. } => 1,
+            Self::Structure { .. } => 2,
+        }
+    }
+
+    /// With the shaping value of this index moved by a share of itself.
+    pub(super) fn moved(&self, index: usize, share: f64) -> Self {
+        match (self, index) {
+            (&Self::Periodic { hz }, _) => Self::Periodic { hz: hz * (1.0 + share) },
+            (&Self::Structure { hz, damping }, 0) => Self::Structure { hz: hz * (1.0 + share), damping },
+            (&Self::Structure { hz, damping }, _) => Self::Structure { hz, damping: damping * (1.0 + share) },
+            (other, _) => other.clone(),
+        }
+    }
+
+    /// Which amounts over this many recordings cannot be negative.
+    pub(super) fn positive(&self, cases: usize) -> Vec<bool> {
+        let is_structure = matches!(self, Self::Structure { .. });
+        (0..self.amounts(cases)).map(|amount| is_structure && amount == HANGING).collect()
+    }
+
+    /// The force of each amount in each recording where it acts.
+    pub(super) fn units(&self, cases: &[&Prepared]) -> Vec<Unit> {
+        let everywhere = 0..cases.len();
+        match self {
+            Self::Load => everywhere
+                .map(|case| Unit { amount: case, case, force_n: vec![1.0; cases[case].stimulus.points()] })
+                .collect(),
+            Self::Pushes(windows) => {
+                let nodes =
+                    windows.iter().flat_map(|window| (window.first..=window.last).map(|node| (window.case, node)));
+                nodes
+                    .enumerate()
+                    .map(|(amount, (case, node))| Unit { amount, case, force_n: at_node(cases[case], node) })
+                    .collect()
+            }
+            &Self::Periodic { hz } => everywhere
+                .flat_map(|case| {
+                    let wave = move |phase: f64| {
+                        each_point(cases[case], |time_s| (TAU * (hz * time_s + phase)).cos()).collect::<Vec<f64>>()
+                    };
+                    [0.0, 0.25].into_iter().enumerate().map(move |(part, phase)| Unit {
+                        amount: 2 * case + part,
+                        case,
+                        force_n: wave(phase),
+                    })
+                })
+                .collect(),
+            &Self::Structure { hz, damping } => everywhere
+                .filter_map(|case| Some((case, of_structure(cases[case], hz, damping)?)))
+                .flat_map(|(case, forces)| {
+                    forces.into_iter().enumerate().map(move |(amount, force_n)| Unit { amount, case, force_n })
+                })
+                .collect(),
+        }
+    }
+}
+
+impl Window {
+    /// Nodes with a force.
+    pub(super) fn nodes(&self) -> usize {
+        self.last + 1 - self.first
+    }
+
+    /// From when to when, s after the start of the recording.
+    pub(super) fn time_s(&self, case: &Prepared) -> (f64, f64) {
+        let apart_s = between_nodes_s(case);
+        ((self.first as f64 - 1.0).max(0.0) * apart_s, (self.last as f64 + 1.0) * apart_s)
+    }
+}
+
+/// Time between two nodes, s.
+fn between_nodes_s(case: &Prepared) -> f64 {
+    case.duration_s() / NODES as f64
+}
+
+/// 1 at a node, falling to 0 at the nodes beside it.
+fn at_node(case: &Prepared, node: usize) -> Vec<f64> {
+    let apart_s = between_nodes_s(case);
+    each_point(case, |time_s| (1.0 - (time_s / apart_s - node as f64).abs()).max(0.0)).collect()
+}
+
+/// Something at the time of each point, s after the start.
+fn each_point<'a>(case: &Prepared, of_time: impl Fn(f64) -> f64 + 'a) -> impl Iterator<Item = f64> + 'a {
+    let tick_s = case.stimulus.tick.seconds();
+    (0..case.stimulus.points()).map(move |point| of_time(point as f64 * tick_s))
+}
+
+/// Force on the rod of each kilogram that hangs on it by a spring and a damper, and of each kilogram that is fixed to it: whether the machine file's
+/// mass has what hangs in it, nobody knows. By the recorded position; `None` where there is none.
+fn of_structure(case: &Prepared, hz: f64, damping: f64) -> Option<[Vec<f64>; 2]> {
+    let position = case.channels.iter().find(|channel| channel.signal == Signal::Position)?;
+    let tick_s = case.stimulus.tick.seconds();
+    let rod_m = smooth(&case.stimulus.at_points(&position.bridged()), SEEN_TO * hz * tick_s);
+    let omega = TAU * hz;
+    let (mut mass_m, mut mass_m_per_s) = (rod_m[0], 0.0);
+    let (mut hanging_n, mut fixed_n) = (Vec::with_capacity(rod_m.len()), Vec::with_capacity(rod_m.len()));
+    for point in 0..rod_m.len() {
+        let (before, next) = (rod_m[point.saturating_sub(1)], rod_m[(point + 1).min(rod_m.len() - 1)]);
+        let rod_m_per_s = (next - before) / (2.0 * tick_s);
+        let of_rod = if point == 0 { 0.0 } else { (next - 2.0 * rod_m[point] + before) / (tick_s * tick_s) };
+        let of_mass = omega * omega * (rod_m[point] - mass_m) + 2.0 * damping * omega * (rod_m_per_s - mass_m_per_s);
+        hanging_n.push(-of_mass);
+        fixed_n.push(-of_rod);
+        // Velocity first: then an undamped mass keeps its energy.
+        mass_m_per_s += of_mass * tick_s;
+        mass_m += mass_m_per_s * tick_s;
+    }
+    Some([hanging_n, fixed_n])
+}
+
+/// A series without what is faster than this many cycles a point, without a delay: a lag of second order forwards and backwards.
+fn smooth(series: &[f64], cycles_a_point: f64) -> Vec<f64> {
+    let pass = |series: &mut dyn Iterator<Item = f64>, start: f64| -> Vec<f64> {
+        let keep = (-TAU * cycles_a_point).exp();
+        let (mut first, mut second) = (start, start);
+        series
+            .map(|value| {
+                first += (1.0 - keep) * (value - first);
+                second += (1.0 - keep) * (first - second);
+                second
+            })
+            .collect()
+    };
+    let forwards = pass(&mut series.iter().copied(), series.first().copied().unwrap_or(0.0));
+    let mut backwards = pass(&mut forwards.iter().rev().copied(), forwards.last().copied().unwrap_or(0.0));
+    backwards.reverse();
+    backwards
+}
+
+#[cfg(test)]
+mod tests {
+    use machine_file::LoadSource;
+    use test_press::{extending, press};
+
+    use super::*;
+
+    fn case() -> Prepared {
+        let machine = press(&[]);
+        Prepared::new(&extending(&machine), &machine, LoadSource::Constant, None).unwrap()
+    }
+
+    /// What a shape gives with every amount 1.
+    fn sum(shape: &Shape, case: &Prepared) -> Vec<f64> {
+        let mut sum = vec![0.0; case.stimulus.points()];
+        for unit in shape.units(&[case]) {
+            for (sum, force_n) in sum.iter_mut().zip(unit.force_n) {
+                *sum += force_n;
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn the_nodes_of_a_whole_recording_together_are_a_constant_force() {
+        let case = case();
+        let shape = Shape::Pushes(vec![Window { case: 0, first: 0, last: NODES }]);
+        assert_eq!((shape.amounts(1), shape.units(&[&case]).len()), (NODES + 1, NODES + 1));
+        assert!(sum(&shape, &case).iter().all(|force_n| (force_n - 1.0).abs() < 1e-9));
+    }
+
+    #[test]
+    fn a_push_acts_within_its_window_alone() {
+        let case = case();
+        let window = Window { case: 0, first: 20, last: 24 };
+        let (from_s, to_s) = window.time_s(&case);
+        let tick_s = case.stimulus.tick.seconds();
+        for (point, force_n) in sum(&Shape::Pushes(vec![window]), &case).iter().enumerate() {
+            let time_s = point as f64 * tick_s;
+            assert!(*force_n == 0.0 || (from_s..=to_s).contains(&time_s), "{force_n} at {time_s}");
+        }
+    }
+
+    #[test]
+    fn two_amounts_give_a_wave_any_phase() {
+        let case = case();
+        let units = Shape::Periodic { hz: 7.0 }.units(&[&case]);
+        for (cosine, sine) in units[0].force_n.iter().zip(&units[1].force_n) {
+            assert!((cosine.hypot(*sine) - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn what_hangs_on_a_stiff_spring_is_as_good_as_fixed_to_the_rod() {
+        let mut case = case();
+        let position = case.channels.iter_mut().find(|channel| channel.signal == Signal::Position).unwrap();
+        for (position_m, time_s) in position.recorded.iter_mut().zip(&case.time_s) {
+            *position_m = 0.05 * (1.0 - (TAU * 2.0 * time_s).cos());
+        }
+        let [hanging_n, fixed_n] = of_structure(&case, 60.0, 0.7).unwrap();
+        let square = |series: &mut dyn Iterator<Item = f64>| series.map(|one| one * one).sum::<f64>();
+        let apart = square(&mut hanging_n.iter().zip(&fixed_n).map(|(one, other)| one - other));
+        let all = square(&mut fixed_n.iter().copied());
+        // The first moments apart, in which the rod is set in motion at once.
+        assert!(apart < 0.2 * all, "{apart} of {all}");
+        // On a soft one it keeps still.
+        let [hanging_n, fixed_n] = of_structure(&case, 0.3, 0.1).unwrap();
+        let (hanging, fixed) = (square(&mut hanging_n.into_iter()), square(&mut fixed_n.into_iter()));
+        assert!(hanging < 0.1 * fixed, "{hanging} of {fixed}");
+    }
+}
