@@ -24,9 +24,7 @@ use crate::localisation::{Case, Location, Miss, Sought, misses};
 use crate::outcome::{Diagnosis, Verdict};
 use crate::outside::{self, Outside};
 use crate::selection::candidate::Reference;
-use crate::selection::decision_rule::{
-    BELOW_VACUUM_PA, NEAR_TANK_PA, OUTSIDE_KEEPS, OUTSIDE_SPOILS, SEARCHED_TO, UNEXPLAINED_FROM,
-};
+use crate::selection::decision_rule::{BELOW_VACUUM_PA, NEAR_TANK_PA, OUTSIDE_KEEPS, OUTSIDE_SPOILS, SEARCHED_TO};
 use crate::selection::excerpt::Excerpt;
 use crate::selection::forward::select;
 use crate::selection::screen::Lead;
@@ -144,7 +142,7 @@ pub fn diagnose(
     let Decision { findings, not_confirmed, confirmation, after, estimates } =
         decide(&asked.of(&references), &mut selection, &opened)?;
     let without: Vec<&Prepared> = plain_trained.iter().collect();
-    let verdict = verdict(&findings, plain_base.worst_over_noise(&asked.of(&without)));
+    let verdict = verdict(&findings, plain_base.misses_by_more_than_noise(&asked.of(&without)));
     // Where and how it looks is told by what was searched.
     let (recordings, searched) = match &excerpt {
         Some(excerpt) => (excerpt.recordings.as_slice(), excerpt.cases.iter().collect()),
@@ -222,14 +220,12 @@ fn place(
     Ok(locate(&Sought { machine, load, cases, named, predicted_gains: &predicted_gains })?)
 }
 
-/// How it ended: by what was found, and how many times its noise the worst signal of the base model is off.
-fn verdict(findings: &[Finding], over_noise: f64) -> Verdict {
-    if !findings.is_empty() {
-        Verdict::MissingPhysics
-    } else if over_noise > UNEXPLAINED_FROM {
-        Verdict::Unexplained
-    } else {
-        Verdict::NothingMissing
+/// How it ended: by what was found, and whether the base model misses more than noise.
+fn verdict(findings: &[Finding], misses: bool) -> Verdict {
+    match (findings, misses) {
+        ([_, ..], _) => Verdict::MissingPhysics,
+        ([], true) => Verdict::Unexplained,
+        ([], false) => Verdict::NothingMissing,
     }
 }
 
@@ -291,7 +287,12 @@ impl<'a> Asked<'a> {
         let trained = found.force.on(&references);
         let forced: Vec<&Prepared> = trained.iter().collect();
         let mut beside = select(&self.of(&forced), &found.near, &done)?;
-        beside.find_jumps(&self.of(&forced), &done)?;
+        if found.force.follows_recorded_motion() {
+            // Nothing is named beside it: a finding is made in free run.
+            beside.chosen = beside.base.clone();
+        } else {
+            beside.find_jumps(&self.of(&forced), &done)?;
+        }
         let opened: Vec<&Prepared> = held.iter().collect();
         let (was, is) = (&selection.base.fit.machine, &beside.base.fit.machine);
         let in_held = found.force.in_others(is, &opened)?;

@@ -27,6 +27,8 @@ const ROUNDS: usize = 10;
 const ENDS_BELOW: f64 = 1e-3;
 /// A round moves a frequency or a damping by at most this share.
 const MOST_MOVED: f64 = 0.3;
+/// The first of the solutions at which forces are sought are those to all recordings.
+const OF_ALL: usize = 2;
 /// Steps by which the amounts in a held-out recording are found: its forces act on a machine that is known.
 const STEPS_HELD_OUT: usize = 4;
 /// Share by which these are moved to see what that changes.
@@ -109,12 +111,12 @@ pub(crate) fn find(
 ) -> Result<Option<Found>, FitError> {
     let likeliest = rounds.iter().flatten().map(|trial| trial.net).fold(0.0, f64::max);
     let mut proposed: Vec<(f64, Force, Fit)> = Vec::new();
-    for fit in references(question, base)? {
+    for (place, fit) in references(question, base)?.into_iter().enumerate() {
         let coarser = coarse(question.training, &fit.machine, &fit.starts)?;
         let cases: Vec<&Prepared> = coarser.iter().collect();
         let Some(sensitivity) = Sensitivity::at(&fit, &cases)? else { continue };
         let misfit = sensitivity.misfit();
-        for Proposal { force, gain } in proposals(question.scene.machine, &sensitivity, &cases)? {
+        for Proposal { force, gain } in proposals(question.scene.machine, &sensitivity, &cases, place >= OF_ALL)? {
             if gain > OUTSIDE_PROMISES * misfit {
                 proposed.push((misfit - gain, force, fit.clone()));
             }
@@ -146,6 +148,7 @@ pub(crate) fn find(
 /// lacks bends the base parameters; with inflated noise they stay where they can be, and what acts in one recording does not bend those of the others.
 fn references(question: &Question<'_>, base: &Candidate) -> Result<Vec<Fit>, FitError> {
     let mut all = vec![base.fit.clone(), InflatedNoise::of(question)?.base.fit];
+    debug_assert_eq!(all.len(), OF_ALL);
     if question.training.len() < 2 {
         return Ok(all);
     }
@@ -207,6 +210,11 @@ impl Force {
             }
         }
         all
+    }
+
+    /// Whether it comes from what was recorded: then a model that has it as an input does not run freely.
+    pub(crate) fn follows_recorded_motion(&self) -> bool {
+        matches!(self.shape, Shape::Structure { .. })
     }
 
     /// Recordings with the force as an input.
@@ -277,12 +285,9 @@ impl Force {
         let (steps, _) = sensitivity.directed(&all).amounts(&vec![false; all.len()]);
         let (of_amounts, of_shape) = steps.split_at(self.amounts.len());
         let mut next = self.clone();
-        let positive = self.shape.positive(cases.len());
-        for ((amount, step), positive) in next.amounts.iter_mut().zip(of_amounts).zip(positive) {
-            *amount += unit * step;
-            if positive {
-                *amount = amount.max(0.0);
-            }
+        let (least, most) = (if self.shape.is_positive() { 0.0 } else { f64::NEG_INFINITY }, self.shape.most(machine));
+        for (amount, step) in next.amounts.iter_mut().zip(of_amounts) {
+            *amount = (*amount + unit * step).clamp(least, most);
         }
         for (index, step) in of_shape.iter().enumerate() {
             next.shape = next.shape.moved(index, (TRIED * step).clamp(-MOST_MOVED, MOST_MOVED));
@@ -336,7 +341,7 @@ impl Force {
                 let amplitude = |(case, parts): (usize, &[f64])| (named(case), parts[0].hypot(parts[1]));
                 Cause::Periodic { hz, amplitude_n: self.amounts.chunks_exact(2).enumerate().map(amplitude).collect() }
             }
-            &Shape::Structure { hz, damping } => Cause::Structure { hz, damping, mass_kg: self.amounts[0] },
+            &Shape::Structure { hz, damping, .. } => Cause::Structure { hz, damping, mass_kg: self.amounts[0] },
         }
     }
 }

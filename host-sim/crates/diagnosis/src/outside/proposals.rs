@@ -24,6 +24,8 @@ const FEWEST_PERIODS: f64 = 4.0;
 const FREQUENCY_STEP: f64 = 0.4;
 /// Share of a command's variance at a frequency from which a period is the command's own.
 const COMMANDED_FROM: f64 = 0.3;
+/// Peaks of each channel's spectrum that are tried.
+const PEAKS_TRIED: usize = 8;
 /// Frequencies of a structure, Hz, and how many are tried.
 const STRUCTURE_HZ: (f64, f64, usize) = (2.0, 60.0, 80);
 /// Dampings of a structure.
@@ -37,18 +39,18 @@ pub(super) struct Proposal {
     pub(super) gain: f64,
 }
 
-/// The best of each kind.
+/// The best of each kind; of pushes alone where it is sought what happens `once`.
 pub(super) fn proposals(
     machine: &Machine<f64>,
     sensitivity: &Sensitivity<'_>,
     cases: &[&Prepared],
+    once: bool,
 ) -> Result<Vec<Proposal>, FitError> {
     let at = |shape: Shape| -> Result<Proposal, FitError> {
-        let (unit, amounts, positive) =
-            (unit(machine, &shape), shape.amounts(cases.len()), shape.positive(cases.len()));
+        let (unit, amounts, positive) = (unit(machine, &shape), shape.amounts(cases.len()), shape.is_positive());
         let all = directions(sensitivity, shape.units(cases), unit, amounts, cases.len())?;
-        let (steps, gain) = sensitivity.directed(&all).amounts(&positive);
-        let amounts = steps.into_iter().map(|step| unit * step).collect();
+        let (steps, gain) = sensitivity.directed(&all).amounts(&vec![positive; amounts]);
+        let amounts = steps.into_iter().map(|step| (unit * step).min(shape.most(machine))).collect();
         Ok(Proposal { force: Force { shape, amounts }, gain })
     };
     let best_of = |shapes: Vec<Shape>| -> Result<Option<Proposal>, FitError> {
@@ -56,14 +58,18 @@ pub(super) fn proposals(
         Ok(all.into_iter().max_by(|a, b| a.gain.total_cmp(&b.gain)))
     };
     let mut found: Vec<Proposal> = Vec::new();
-    if cases.len() > 1 {
-        found.push(at(Shape::Load)?);
-    }
     let windows = pushes(machine, sensitivity, cases)?;
     if !windows.is_empty() {
         found.push(at(Shape::Pushes(windows))?);
     }
-    found.extend(best_of(frequencies(cases).into_iter().map(|hz| Shape::Periodic { hz }).collect())?);
+    if once {
+        return Ok(found);
+    }
+    if cases.len() > 1 {
+        found.push(at(Shape::Load)?);
+    }
+    let hertz = standing_out(sensitivity, &frequencies(cases));
+    found.extend(best_of(hertz.into_iter().map(|hz| Shape::Periodic { hz }).collect())?);
     found.extend(best_of(structures(cases))?);
     Ok(found)
 }
@@ -117,6 +123,27 @@ fn frequencies(cases: &[&Prepared]) -> Vec<f64> {
     found
 }
 
+/// Those at which some channel's residual has the most power, each higher than its neighbours. A rod that is shaken moves the less the faster, and the
+/// power falls with the frequency anyway: it counts by its square.
+fn standing_out(sensitivity: &Sensitivity<'_>, hertz: &[f64]) -> Vec<f64> {
+    let power = sensitivity.power_at(hertz);
+    let mut found: Vec<usize> = Vec::new();
+    for channel in 0..power.first().map_or(0, Vec::len) {
+        let weighed: Vec<f64> = power.iter().zip(hertz).map(|(power, hz)| power[channel] * hz * hz).collect();
+        let mut peaks: Vec<usize> = (0..weighed.len())
+            .filter(|&at| {
+                let around = &weighed[at.saturating_sub(1)..(at + 2).min(weighed.len())];
+                around.iter().all(|other| *other <= weighed[at])
+            })
+            .collect();
+        peaks.sort_by(|a, b| weighed[*b].total_cmp(&weighed[*a]));
+        found.extend(peaks.into_iter().take(PEAKS_TRIED));
+    }
+    found.sort_unstable();
+    found.dedup();
+    found.into_iter().map(|at| hertz[at]).collect()
+}
+
 /// The highest frequency that the recordings' grid can follow.
 fn fastest_hz(cases: &[&Prepared], most_hz: f64) -> f64 {
     let tick_s = cases.iter().map(|case| case.stimulus.tick.seconds()).fold(0.0, f64::max);
@@ -141,5 +168,10 @@ fn structures(cases: &[&Prepared]) -> Vec<Shape> {
     let (low, high, count) = STRUCTURE_HZ;
     let high = fastest_hz(cases, high);
     let at = move |index: usize| low * (high / low).powf(index as f64 / (count - 1) as f64);
-    (0..count).flat_map(|index| STRUCTURE_DAMPING.map(|damping| Shape::Structure { hz: at(index), damping })).collect()
+    let damped = |hz: f64, is_included: bool| {
+        STRUCTURE_DAMPING.map(move |damping| Shape::Structure { hz, damping, is_included })
+    };
+    (0..count)
+        .flat_map(|index| [false, true].into_iter().flat_map(move |is_included| damped(at(index), is_included)))
+        .collect()
 }

@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 
 use identification::experiment::Prepared;
+use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 
 /// What a force follows.
@@ -24,6 +25,8 @@ pub(super) enum Shape {
         hz: f64,
         /// Its damping as a share of critical damping.
         damping: f64,
+        /// Whether the machine file's moving mass has it in it.
+        is_included: bool,
     },
 }
 
@@ -38,8 +41,10 @@ pub(super) struct Window {
     pub(super) last: usize,
 }
 
-/// The amount of a structure that hangs; the other one is fixed to the rod.
-const HANGING: usize = 0;
+/// Largest mass of a structure that the moving mass has in it, as a share of that.
+const MOST_INCLUDED: f64 = 0.9;
+/// The same of one beside it.
+const MOST_BESIDE: f64 = 2.0;
 /// Nodes of the force of a recording.
 pub(super) const NODES: usize = 60;
 /// A structure's acceleration is seen up to this many times its frequency: above, differences show a sensor's noise alone.
@@ -67,7 +72,7 @@ impl Shape {
             Self::Load => cases,
             Self::Pushes(windows) => windows.iter().map(Window::nodes).sum(),
             Self::Periodic { .. } => 2 * cases,
-            Self::Structure { .. } => 2,
+            Self::Structure { .. } => 1,
         }
     }
 
@@ -84,16 +89,30 @@ impl Shape {
     pub(super) fn moved(&self, index: usize, share: f64) -> Self {
         match (self, index) {
             (&Self::Periodic { hz }, _) => Self::Periodic { hz: hz * (1.0 + share) },
-            (&Self::Structure { hz, damping }, 0) => Self::Structure { hz: hz * (1.0 + share), damping },
-            (&Self::Structure { hz, damping }, _) => Self::Structure { hz, damping: damping * (1.0 + share) },
+            (&Self::Structure { hz, damping, is_included }, 0) => {
+                Self::Structure { hz: hz * (1.0 + share), damping, is_included }
+            }
+            (&Self::Structure { hz, damping, is_included }, _) => {
+                Self::Structure { hz, damping: damping * (1.0 + share), is_included }
+            }
             (other, _) => other.clone(),
         }
     }
 
-    /// Which amounts over this many recordings cannot be negative.
-    pub(super) fn positive(&self, cases: usize) -> Vec<bool> {
-        let is_structure = matches!(self, Self::Structure { .. });
-        (0..self.amounts(cases)).map(|amount| is_structure && amount == HANGING).collect()
+    /// Whether an amount cannot be negative.
+    pub(super) fn is_positive(&self) -> bool {
+        matches!(self, Self::Structure { .. })
+    }
+
+    /// The largest amount on a machine: a structure is no heavier than what it is a part of, or twice the moving mass beside it. Its force comes from
+    /// the recorded motion, so that without a limit it would make the model follow whatever was recorded.
+    pub(super) fn most(&self, machine: &Machine<f64>) -> f64 {
+        let moving_kg = machine.get(Parameter::MovingMass);
+        match self {
+            Self::Structure { is_included: true, .. } => MOST_INCLUDED * moving_kg,
+            Self::Structure { .. } => MOST_BESIDE * moving_kg,
+            _ => f64::INFINITY,
+        }
     }
 
     /// The force of each amount in each recording where it acts.
@@ -123,10 +142,10 @@ impl Shape {
                     })
                 })
                 .collect(),
-            &Self::Structure { hz, damping } => everywhere
-                .filter_map(|case| Some((case, of_structure(cases[case], hz, damping)?)))
-                .flat_map(|(case, forces)| {
-                    forces.into_iter().enumerate().map(move |(amount, force_n)| Unit { amount, case, force_n })
+            &Self::Structure { hz, damping, is_included } => everywhere
+                .filter_map(|case| {
+                    let force_n = of_structure(cases[case], hz, damping, is_included)?;
+                    Some(Unit { amount: 0, case, force_n })
                 })
                 .collect(),
         }
@@ -163,27 +182,26 @@ fn each_point<'a>(case: &Prepared, of_time: impl Fn(f64) -> f64 + 'a) -> impl It
     (0..case.stimulus.points()).map(move |point| of_time(point as f64 * tick_s))
 }
 
-/// Force on the rod of each kilogram that hangs on it by a spring and a damper, and of each kilogram that is fixed to it: whether the machine file's
-/// mass has what hangs in it, nobody knows. By the recorded position; `None` where there is none.
-fn of_structure(case: &Prepared, hz: f64, damping: f64) -> Option<[Vec<f64>; 2]> {
+/// Force on the rod of each kilogram that hangs on it by a spring and a damper. Where it is included in the moving mass, that mass lacks the force by
+/// which it would follow the rod if it were fixed to it. By the recorded position; `None` where there is none.
+fn of_structure(case: &Prepared, hz: f64, damping: f64, is_included: bool) -> Option<Vec<f64>> {
     let position = case.channels.iter().find(|channel| channel.signal == Signal::Position)?;
     let tick_s = case.stimulus.tick.seconds();
     let rod_m = smooth(&case.stimulus.at_points(&position.bridged()), SEEN_TO * hz * tick_s);
     let omega = TAU * hz;
     let (mut mass_m, mut mass_m_per_s) = (rod_m[0], 0.0);
-    let (mut hanging_n, mut fixed_n) = (Vec::with_capacity(rod_m.len()), Vec::with_capacity(rod_m.len()));
+    let mut force_n = Vec::with_capacity(rod_m.len());
     for point in 0..rod_m.len() {
         let (before, next) = (rod_m[point.saturating_sub(1)], rod_m[(point + 1).min(rod_m.len() - 1)]);
         let rod_m_per_s = (next - before) / (2.0 * tick_s);
         let of_rod = if point == 0 { 0.0 } else { (next - 2.0 * rod_m[point] + before) / (tick_s * tick_s) };
         let of_mass = omega * omega * (rod_m[point] - mass_m) + 2.0 * damping * omega * (rod_m_per_s - mass_m_per_s);
-        hanging_n.push(-of_mass);
-        fixed_n.push(-of_rod);
+        force_n.push(if is_included { of_rod - of_mass } else { -of_mass });
         // Velocity first: then an undamped mass keeps its energy.
         mass_m_per_s += of_mass * tick_s;
         mass_m += mass_m_per_s * tick_s;
     }
-    Some([hanging_n, fixed_n])
+    Some(force_n)
 }
 
 /// A series without what is faster than this many cycles a point, without a delay: a lag of second order forwards and backwards.
@@ -264,15 +282,13 @@ mod tests {
         for (position_m, time_s) in position.recorded.iter_mut().zip(&case.time_s) {
             *position_m = 0.05 * (1.0 - (TAU * 2.0 * time_s).cos());
         }
-        let [hanging_n, fixed_n] = of_structure(&case, 60.0, 0.7).unwrap();
-        let square = |series: &mut dyn Iterator<Item = f64>| series.map(|one| one * one).sum::<f64>();
-        let apart = square(&mut hanging_n.iter().zip(&fixed_n).map(|(one, other)| one - other));
-        let all = square(&mut fixed_n.iter().copied());
-        // The first moments apart, in which the rod is set in motion at once.
-        assert!(apart < 0.2 * all, "{apart} of {all}");
-        // On a soft one it keeps still.
-        let [hanging_n, fixed_n] = of_structure(&case, 0.3, 0.1).unwrap();
-        let (hanging, fixed) = (square(&mut hanging_n.into_iter()), square(&mut fixed_n.into_iter()));
-        assert!(hanging < 0.1 * fixed, "{hanging} of {fixed}");
+        let of = |hz: f64, is_included: bool| of_structure(&case, hz, 0.7, is_included).unwrap();
+        let square = |series: Vec<f64>| series.into_iter().map(|one| one * one).sum::<f64>();
+        // Fixed to the rod it changes nothing where it was included, and is a further mass where it was not.
+        let (stiff, stiff_beside) = (square(of(60.0, true)), square(of(60.0, false)));
+        assert!(stiff < 0.2 * stiff_beside, "{stiff} of {stiff_beside}");
+        // On a soft spring it keeps still: the rod lacks its mass where it was included.
+        let (soft, soft_beside) = (square(of(0.3, true)), square(of(0.3, false)));
+        assert!(soft_beside < 0.2 * soft, "{soft_beside} of {soft}");
     }
 }

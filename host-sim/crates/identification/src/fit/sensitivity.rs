@@ -107,6 +107,30 @@ impl<'a> Sensitivity<'a> {
         self.blocks.iter().flat_map(|block| &block.residuals).map(|(residual, _)| 0.5 * residual * residual).sum()
     }
 
+    /// Power of each channel's residuals at each of these frequencies, Hz, over all recordings: what a wave of that frequency would explain of it.
+    #[must_use]
+    pub fn power_at(&self, hz: &[f64]) -> Vec<Vec<f64>> {
+        let channels = self.cases.first().map_or(0, |case| case.channels.len());
+        parallel::each(hz.iter().copied(), |hz| {
+            let mut power = vec![0.0; channels];
+            for (case, block) in self.cases.iter().zip(&self.blocks) {
+                let mut sums = vec![(0.0, 0.0); case.channels.len()];
+                for (row, residuals) in block.residuals.chunks_exact(case.channels.len()).enumerate() {
+                    let time_s = case.time_s[row * self.kept.stride];
+                    let (sine, cosine) = (std::f64::consts::TAU * hz * time_s).sin_cos();
+                    for (sum, (residual, _)) in sums.iter_mut().zip(residuals) {
+                        *sum = (sum.0 + residual * cosine, sum.1 + residual * sine);
+                    }
+                }
+                let rows = (block.residuals.len() / case.channels.len().max(1)).max(1) as f64;
+                for (power, (cosine, sine)) in power.iter_mut().zip(sums) {
+                    *power += (cosine * cosine + sine * sine) / rows;
+                }
+            }
+            power
+        })
+    }
+
     /// Index in the simulated values at which a row's channels begin; `None` where the row is left out.
     #[must_use]
     pub fn place_of(&self, row: usize) -> Option<usize> {

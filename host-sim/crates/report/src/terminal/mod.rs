@@ -180,7 +180,8 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
             }
         }
         Verdict::NothingMissing => {
-            format!("{name}: nothing missing: the refitted model follows the recordings within their noise")
+            let noise = if diagnosis.left.is_empty() { "their noise" } else { "twice their noise" };
+            format!("{name}: nothing missing: the refitted model follows the recordings within {noise}")
         }
         Verdict::Unexplained if let Some(outside) = &diagnosis.outside => format!(
             "{name}: unexplained by the drive itself: from outside comes {}; no effect of the catalogue explains as much",

@@ -15,6 +15,7 @@ use identification::fit::{
 };
 use model_core::machine::{Machine, Parameter};
 
+use super::decision_rule::{UNEXPLAINED_BY_SHEET_FROM, UNEXPLAINED_FROM};
 use super::screen::Lead;
 use crate::catalogue::{EffectParameter, Form, Hypothesis, Scene, is_elastic};
 
@@ -111,13 +112,14 @@ impl Candidate {
 
     /// A share of the loss that is not worth a step: where residuals are correlated over n rows, a fall of the loss has n times less significance.
     fn negligible(&self) -> f64 {
-        inflation(&self.residuals, self.counts) * FINELY
+        let share = inflation(&self.residuals, self.counts) * FINELY;
+        // Without residuals there is no such share.
+        if share.is_finite() { share } else { FINELY }
     }
 
     /// A refit from here to the end: the more its residuals are correlated, the earlier a further step is worth nothing.
     fn to_its_end(&self) -> Goes<'static> {
-        // Without residuals there is no such share.
-        Goes::ToTheEnd(self.negligible().max(PRECISION).min(SETTLED))
+        Goes::ToTheEnd(self.negligible().clamp(PRECISION, SETTLED))
     }
 
     /// The machine file's model, roughly refitted.
@@ -298,6 +300,12 @@ impl Candidate {
     #[must_use]
     pub fn effect_parameters(&self) -> usize {
         effect_parameters(&self.effects).len()
+    }
+
+    /// Whether its worst channel is off by more than what counts as its noise.
+    pub(crate) fn misses_by_more_than_noise(&self, question: &Question<'_>) -> bool {
+        let least = if question.has_tolerances() { UNEXPLAINED_BY_SHEET_FROM } else { UNEXPLAINED_FROM };
+        self.worst_over_noise(question) > least
     }
 
     /// RMSE over noise of the worst channel.
