@@ -44,7 +44,7 @@ pub(super) struct Window {
 /// Largest mass of a structure that the moving mass has in it, as a share of that.
 const MOST_INCLUDED: f64 = 0.9;
 /// The same of one beside it.
-const MOST_BESIDE: f64 = 2.0;
+const MOST_BESIDE: f64 = 50.0;
 /// Nodes of the force of a recording.
 pub(super) const NODES: usize = 60;
 /// A structure's acceleration is seen up to this many times its frequency: above, differences show a sensor's noise alone.
@@ -104,7 +104,7 @@ impl Shape {
         matches!(self, Self::Structure { .. })
     }
 
-    /// The largest amount on a machine: a structure is no heavier than what it is a part of, or twice the moving mass beside it. Its force comes from
+    /// The largest amount on a machine: a structure is no heavier than what it is a part of; beside that it may be a machine frame. Its force comes from
     /// the recorded motion, so that without a limit it would make the model follow whatever was recorded.
     pub(super) fn most(&self, machine: &Machine<f64>) -> f64 {
         let moving_kg = machine.get(Parameter::MovingMass);
