@@ -34,15 +34,6 @@ fn a_push_is_told_with_its_time_and_its_force() {
 }
 
 #[test]
-fn a_leak_is_named_beside_a_push() {
-    let leak = PlantEffect::internal_leakage(4e-12);
-    let diagnosis = valve_case(12, Some(leak), true, Some(&(0, push()))).diagnose();
-    let found = accepted(&diagnosis);
-    println!("{found} {:?}", diagnosis.outside);
-    assert!(found == "internal-leakage" || found == "none", "{found}");
-}
-
-#[test]
 fn a_periodic_force_is_told_with_its_frequency_and_confirmed() {
     let (hertz, force_n) = (9.3, 1500.0);
     let wave = |index: usize| {

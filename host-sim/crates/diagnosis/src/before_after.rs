@@ -37,7 +37,7 @@ pub(crate) fn show_all(before: &Driven<'_>, after: &Driven<'_>) -> Result<Vec<Sh
             held_out: of_before.1.is_none(),
             before: before.simulated(of_before)?,
             after: after.simulated(of_after)?,
-            prepared: of_before.0.clone(),
+            prepared: of_after.0.clone(),
         })
     })
 }

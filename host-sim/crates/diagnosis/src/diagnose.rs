@@ -24,7 +24,7 @@ use crate::localisation::{Case, Location, Miss, Sought, misses};
 use crate::outcome::{Diagnosis, Verdict};
 use crate::outside::{self, Outside};
 use crate::selection::candidate::Reference;
-use crate::selection::decision_rule::{BELOW_VACUUM_PA, NEAR_TANK_PA, OUTSIDE_KEEPS, OUTSIDE_SPOILS, SEARCHED_TO};
+use crate::selection::decision_rule::{BELOW_VACUUM_PA, NEAR_TANK_PA, OUTSIDE_KEEPS, SEARCHED_TO};
 use crate::selection::excerpt::Excerpt;
 use crate::selection::forward::select;
 use crate::selection::screen::Lead;
@@ -277,35 +277,42 @@ impl<'a> Asked<'a> {
     ) -> Result<Option<Beside>, FitError> {
         let references: Vec<&Prepared> = trained.iter().collect();
         let question = self.of(&references);
-        let is_explained = explains_enough(&question, &selection.base, &selection.chosen, SEARCHED_TO);
+        let is_explained = explains_enough(&question, &selection.base, &selection.chosen, SEARCHED_TO)
+            || !selection.base.misses_by_more_than_noise(&question);
         // The load that balances recorded pressures has every force in it.
         if is_explained || trained.iter().any(|case| case.stimulus.is_balanced()) {
             return Ok(None);
         }
-        let Some(found) = outside::find(&question, &selection.base, &selection.rounds)? else { return Ok(None) };
+        let Some(found) = outside::find(&question, selection)? else { return Ok(None) };
         let done = |name: &str| progress(name);
         let trained = found.force.on(&references);
         let forced: Vec<&Prepared> = trained.iter().collect();
-        let mut beside = select(&self.of(&forced), &found.near, &done)?;
-        if found.force.follows_recorded_motion() {
+        let forced_question = self.of(&forced);
+        let beside = if found.force.follows_recorded_motion() {
             // Nothing is named beside it: a finding is made in free run.
-            beside.chosen = beside.base.clone();
+            let base = Candidate::base(&forced_question, &found.near, &found.near)?;
+            Selection { chosen: base.clone(), base, jumps: None, ..selection.clone() }
         } else {
-            beside.find_jumps(&self.of(&forced), &done)?;
-        }
+            let mut beside = select(&forced_question, &found.near, &done)?;
+            beside.find_jumps(&forced_question, &done)?;
+            beside
+        };
         let opened: Vec<&Prepared> = held.iter().collect();
         let (was, is) = (&selection.base.fit.machine, &beside.base.fit.machine);
         let in_held = found.force.in_others(is, &opened)?;
         let held = in_held.as_ref().map_or_else(|| held.to_vec(), |force| force.on(&opened));
         let with: Vec<&Prepared> = held.iter().collect();
-        let kept = if held.is_empty() { None } else { Some(outside::explains_held_out((was, &opened), (is, &with))?) };
-        let least = if in_held.is_some() { OUTSIDE_KEEPS * found.explains } else { -OUTSIDE_SPOILS };
+        let told = if held.is_empty() { None } else { Some(outside::HeldOut::of((was, &opened), (is, &with))?) };
+        let is_kept = told.is_none_or(|held| match in_held {
+            Some(_) => held.explains() > OUTSIDE_KEEPS * found.explains,
+            None => !held.is_worse(),
+        });
         let told = Outside {
             cause: found.force.cause(&references),
             explains: found.explains,
-            explains_held_out: kept.filter(|_| in_held.is_some()),
+            explains_held_out: told.filter(|_| in_held.is_some()).map(|held| held.explains()),
         };
-        Ok(kept.is_none_or(|kept| kept > least).then_some(Beside { told, selection: beside, trained, held }))
+        Ok(is_kept.then_some(Beside { told, selection: beside, trained, held }))
     }
 
     /// The same as far as free runs tell.

@@ -1,15 +1,15 @@
 //! Causes outside the drive: a force on the rod that no part of the drive makes, found beside the effects of the catalogue.
 //!
 //! A push that happened once, a periodic force, a structure that rings on the rod or another load in each recording leave misfits that some effect of
-//! the catalogue always lowers a little. So each of them is tried as well, by the same measure; where one of them is likelier than everything that the
-//! catalogue has, the search is repeated with that force as an input.
+//! the catalogue always lowers a little. So each of them is tried as well; where one of them is likelier than everything that the catalogue has, the
+//! search is repeated with that force as an input.
 
 mod proposals;
 mod shape;
 
 use identification::experiment::Prepared;
 use identification::fit::{
-    Change, Fit, FitError, Sensitivity, StartState, coarse, misfits_of, settle, standardised_all,
+    Change, Fit, FitError, Sensitivity, StartState, coarse, misfits_of, set_tolerances, settle, standardised_all,
 };
 use identification::parallel;
 use model_core::machine::{Machine, Parameter};
@@ -17,9 +17,9 @@ use proposals::{Proposal, proposals};
 use shape::{Shape, Unit};
 
 use crate::selection::candidate::{NEARLY, SETTLED};
-use crate::selection::decision_rule::{LEAST_EXPLAINED, LIKELIER_BY, OUTSIDE_PROMISES};
+use crate::selection::decision_rule::{LEAST_EXPLAINED, LIKELIER_BY, OUTSIDE_PROMISES, OUTSIDE_SPOILS};
 use crate::selection::likelihood::{misfit_above_noise, straightened};
-use crate::selection::{Candidate, Gained, InflatedNoise, Question, Trial};
+use crate::selection::{Candidate, Gained, InflatedNoise, Question, Selection};
 
 /// Rounds of a refit: amounts of force, then base parameters.
 const ROUNDS: usize = 10;
@@ -27,10 +27,12 @@ const ROUNDS: usize = 10;
 const ENDS_BELOW: f64 = 1e-3;
 /// A round moves a frequency or a damping by at most this share.
 const MOST_MOVED: f64 = 0.3;
-/// The first of the solutions at which forces are sought are those to all recordings.
+/// How many of the solutions at which forces are sought were fitted to all recordings; they come first.
 const OF_ALL: usize = 2;
 /// Steps by which the amounts in a held-out recording are found: its forces act on a machine that is known.
 const STEPS_HELD_OUT: usize = 4;
+/// Standard deviations of a sum of squares of noise.
+const OF_NOISE: f64 = 3.0;
 /// Share by which these are moved to see what that changes.
 const TRIED: f64 = 1e-3;
 /// Amount of force whose effect is simulated, as a share of the full force of the drive.
@@ -50,7 +52,7 @@ pub struct Outside {
 /// What acts from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cause {
-    /// Another load in each recording: recording and force, N; positive extends.
+    /// Another load in each recording, besides the machine file's: recording and force, N; positive extends.
     Load(Vec<(String, f64)>),
     /// A push that happened once, or a few times.
     Push(Vec<Push>),
@@ -104,21 +106,20 @@ pub(crate) struct Found {
 }
 
 /// The force from outside that explains most of what the base misses; `None` where none explains most of it, or where an effect is as likely.
-pub(crate) fn find(
-    question: &Question<'_>,
-    base: &Candidate,
-    rounds: &[Vec<Trial>],
-) -> Result<Option<Found>, FitError> {
-    let likeliest = rounds.iter().flatten().map(|trial| trial.net).fold(0.0, f64::max);
+pub(crate) fn find(question: &Question<'_>, selection: &Selection) -> Result<Option<Found>, FitError> {
+    let base = &selection.base;
+    let likeliest = selection.rounds.iter().flatten().map(|trial| trial.net).fold(0.0, f64::max);
     let mut proposed: Vec<(f64, Force, Fit)> = Vec::new();
     for (place, fit) in references(question, base)?.into_iter().enumerate() {
         let coarser = coarse(question.training, &fit.machine, &fit.starts)?;
         let cases: Vec<&Prepared> = coarser.iter().collect();
         let Some(sensitivity) = Sensitivity::at(&fit, &cases)? else { continue };
-        let misfit = sensitivity.misfit();
+        let (misfit, left) = (sensitivity.misfit_above_noise(), sensitivity.settled_loss());
         for Proposal { force, gain } in proposals(question.scene.machine, &sensitivity, &cases, place >= OF_ALL)? {
-            if gain > OUTSIDE_PROMISES * misfit {
-                proposed.push((misfit - gain, force, fit.clone()));
+            // The motion that was recorded drives a structure: nothing that is named in free run is given up for it.
+            let is_open = selection.chosen.effects.is_empty() || !force.follows_recorded_motion();
+            if is_open && gain > OUTSIDE_PROMISES * misfit {
+                proposed.push((left - gain, force, fit.clone()));
             }
         }
     }
@@ -136,7 +137,9 @@ pub(crate) fn find(
         let gained = Gained::of(&base.residuals, &with.residuals, base.counts);
         let explains = 1.0 - misfit_above_noise(&with.residuals) / misfit_above_noise(&base.residuals);
         let net = gained.all + straightened(question, base, &with) - gained.cost(force.values());
-        let is_told = explains > LEAST_EXPLAINED && (gained.repeats || matches!(force.shape, Shape::Pushes(_)));
+        let is_told = explains > LEAST_EXPLAINED
+            && force.shape.is_within()
+            && (gained.repeats || matches!(force.shape, Shape::Pushes(_)));
         if is_told && net > likeliest + LIKELIER_BY && best.as_ref().is_none_or(|(known, _)| net > *known) {
             best = Some((net, Found { force, near: with.fit, explains }));
         }
@@ -304,8 +307,10 @@ impl Force {
             Shape::Load | Shape::Periodic { .. } => {
                 let mut force = Self { shape: self.shape.clone(), amounts: vec![0.0; self.shape.amounts(cases.len())] };
                 for _ in 0..STEPS_HELD_OUT {
-                    let forced = force.on(cases);
+                    let mut forced = force.on(cases);
                     let starts = forced.iter().map(|case| settle(machine, case)).collect::<Result<Vec<_>, _>>()?;
+                    // What is far off beforehand must not count less.
+                    set_tolerances(machine, &mut forced, &starts)?;
                     force = force.stepped_on(&Fit::of(*machine, starts), &forced, machine, 0)?;
                 }
                 Ok(Some(force))
@@ -346,16 +351,41 @@ impl Force {
     }
 }
 
-/// Share of a machine's misfit above the noise on held-out recordings that another machine, with the force as an input, does not have.
-pub(crate) fn explains_held_out(
-    without: (&Machine<f64>, &[&Prepared]),
-    with: (&Machine<f64>, &[&Prepared]),
-) -> Result<f64, FitError> {
-    let above = |(machine, cases): (&Machine<f64>, &[&Prepared])| -> Result<f64, FitError> {
-        let starts = cases.iter().map(|case| settle(machine, case)).collect::<Result<Vec<_>, _>>()?;
-        let residuals = standardised_all(machine, cases.iter().copied().zip(starts))?;
-        let misfits = misfits_of(cases.iter().copied(), &residuals);
-        Ok(misfits.iter().map(|misfit| (misfit.square - misfit.rows).max(0.0)).sum())
-    };
-    Ok(1.0 - above(with)? / above(without)?.max(1.0))
+/// What a machine with a force as an input changes on held-out recordings.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HeldOut {
+    /// Misfit above the noise without and with it, in squares over the noise.
+    without: f64,
+    with: f64,
+    /// Rows that were judged, of all signals.
+    rows: f64,
+}
+
+impl HeldOut {
+    /// The recordings as they are with one machine, and with the force as an input with the other.
+    pub(crate) fn of(
+        without: (&Machine<f64>, &[&Prepared]),
+        with: (&Machine<f64>, &[&Prepared]),
+    ) -> Result<Self, FitError> {
+        let mut rows = 0.0;
+        let mut above = |(machine, cases): (&Machine<f64>, &[&Prepared])| -> Result<f64, FitError> {
+            let starts = cases.iter().map(|case| settle(machine, case)).collect::<Result<Vec<_>, _>>()?;
+            let residuals = standardised_all(machine, cases.iter().copied().zip(starts))?;
+            let misfits = misfits_of(cases.iter().copied(), &residuals);
+            rows = misfits.iter().map(|misfit| misfit.rows).sum();
+            Ok(misfits.iter().map(|misfit| (misfit.square - misfit.rows).max(0.0)).sum())
+        };
+        let (without, with) = (above(without)?, above(with)?);
+        Ok(Self { without, with, rows })
+    }
+
+    /// Share of the misfit above the noise that the force explains.
+    pub(crate) fn explains(&self) -> f64 {
+        1.0 - self.with / self.without.max(1.0)
+    }
+
+    /// Whether the model follows them worse than before, by more than noise does.
+    pub(crate) fn is_worse(&self) -> bool {
+        self.with - self.without > OUTSIDE_SPOILS * self.without + OF_NOISE * (2.0 * self.rows).sqrt()
+    }
 }

@@ -7,7 +7,7 @@ use identification::fit::{FitError, Sensitivity};
 use identification::parallel;
 use model_core::machine::Machine;
 
-use super::shape::{NODES, Shape, Window};
+use super::shape::{NODES, PERIODIC_HZ, STRUCTURE_HZ, Shape, Window};
 use super::{Force, directions, unit};
 
 /// Longest push, as a share of the nodes of a recording: what lasts longer is no push.
@@ -16,8 +16,6 @@ const LONGEST_PUSH: usize = NODES / 4;
 const ENOUGH_OF_BEST: f64 = 0.95;
 /// A push in another recording has to gain this share of what the first one gains.
 const FURTHER_PUSH: f64 = 0.1;
-/// Frequencies of a periodic force, Hz.
-const PERIODIC_HZ: (f64, f64) = (1.0, 60.0);
 /// Least number of periods in the shortest recording.
 const FEWEST_PERIODS: f64 = 4.0;
 /// Two frequencies are told apart where they differ by this share of a period over a recording.
@@ -26,12 +24,14 @@ const FREQUENCY_STEP: f64 = 0.4;
 const COMMANDED_FROM: f64 = 0.3;
 /// Peaks of each channel's spectrum that are tried.
 const PEAKS_TRIED: usize = 8;
-/// Frequencies of a structure, Hz, and how many are tried.
-const STRUCTURE_HZ: (f64, f64, usize) = (2.0, 60.0, 80);
+/// Frequencies of a structure that are tried.
+const STRUCTURES: usize = 80;
 /// Dampings of a structure.
 const STRUCTURE_DAMPING: [f64; 2] = [0.02, 0.08];
 /// A wave has to have this many ticks a period.
 const TICKS_A_PERIOD: f64 = 8.0;
+/// And this many rows: with fewer a slower one looks the same.
+const ROWS_A_PERIOD: f64 = 2.5;
 
 /// A force with the gain that is expected of it.
 pub(super) struct Proposal {
@@ -49,8 +49,13 @@ pub(super) fn proposals(
     let at = |shape: Shape| -> Result<Proposal, FitError> {
         let (unit, amounts, positive) = (unit(machine, &shape), shape.amounts(cases.len()), shape.is_positive());
         let all = directions(sensitivity, shape.units(cases), unit, amounts, cases.len())?;
-        let (steps, gain) = sensitivity.directed(&all).amounts(&vec![positive; amounts]);
-        let amounts = steps.into_iter().map(|step| (unit * step).min(shape.most(machine))).collect();
+        let directed = sensitivity.directed(&all);
+        let (mut steps, _) = directed.amounts(&vec![positive; amounts]);
+        for step in &mut steps {
+            *step = step.min(shape.most(machine) / unit);
+        }
+        let gain = directed.gain_of(&steps);
+        let amounts = steps.into_iter().map(|step| unit * step).collect();
         Ok(Proposal { force: Force { shape, amounts }, gain })
     };
     let best_of = |shapes: Vec<Shape>| -> Result<Option<Proposal>, FitError> {
@@ -68,7 +73,7 @@ pub(super) fn proposals(
     if cases.len() > 1 {
         found.push(at(Shape::Load)?);
     }
-    let hertz = standing_out(sensitivity, &frequencies(cases));
+    let hertz = standing_out(sensitivity, cases);
     found.extend(best_of(hertz.into_iter().map(|hz| Shape::Periodic { hz }).collect())?);
     found.extend(best_of(structures(cases))?);
     Ok(found)
@@ -86,9 +91,7 @@ fn pushes(machine: &Machine<f64>, sensitivity: &Sensitivity<'_>, cases: &[&Prepa
         };
         let windows = (1..=LONGEST_PUSH).map(|nodes| {
             let each = (0..=NODES + 1 - nodes).map(|first| (first, first + nodes - 1));
-            let gains = each
-                .filter(|(_, last)| *last <= NODES)
-                .map(|(first, last)| (Window { case, first, last }, gain(first, last)));
+            let gains = each.map(|(first, last)| (Window { case, first, last }, gain(first, last)));
             gains.max_by(|a, b| a.1.total_cmp(&b.1))
         });
         let best_of_length: Vec<(Window, f64)> = windows.flatten().collect();
@@ -102,34 +105,23 @@ fn pushes(machine: &Machine<f64>, sensitivity: &Sensitivity<'_>, cases: &[&Prepa
     Ok(kept.map(|(window, _)| window).collect())
 }
 
-/// Frequencies of a periodic force that the command does not have itself.
+/// Frequencies that are told apart in these recordings.
 fn frequencies(cases: &[&Prepared]) -> Vec<f64> {
     let shortest_s = cases.iter().map(|case| case.duration_s()).fold(f64::INFINITY, f64::min);
     let longest_s = cases.iter().map(|case| case.duration_s()).fold(0.0, f64::max);
-    let mut hz = PERIODIC_HZ.0.max(FEWEST_PERIODS / shortest_s);
-    let mut found = Vec::new();
-    while hz < fastest_hz(cases, PERIODIC_HZ.1) {
-        let is_commanded = |case: &&Prepared| {
-            // A misfit has harmonics of what the command has.
-            [1.0, 2.0, 3.0].into_iter().any(|order| {
-                share_at(case.stimulus.driving(), hz / order * case.stimulus.tick.seconds()) > COMMANDED_FROM
-            })
-        };
-        if !cases.iter().any(is_commanded) {
-            found.push(hz);
-        }
-        hz += FREQUENCY_STEP / longest_s;
-    }
-    found
+    let (least, most) = (PERIODIC_HZ.0.max(FEWEST_PERIODS / shortest_s), fastest_hz(cases, PERIODIC_HZ.1));
+    let step = FREQUENCY_STEP / longest_s;
+    std::iter::successors(Some(least), |hz| Some(hz + step)).take_while(|hz| *hz < most).collect()
 }
 
-/// Those at which some channel's residual has the most power, each higher than its neighbours. A rod that is shaken moves the less the faster, and the
-/// power falls with the frequency anyway: it counts by its square.
-fn standing_out(sensitivity: &Sensitivity<'_>, hertz: &[f64]) -> Vec<f64> {
-    let power = sensitivity.power_at(hertz);
+/// Those at which some channel's residual has the most power, each higher than its neighbours, and that the command does not have itself. A rod that is
+/// shaken moves the less the faster, and the power falls with the frequency anyway: it counts by its square.
+fn standing_out(sensitivity: &Sensitivity<'_>, cases: &[&Prepared]) -> Vec<f64> {
+    let hertz = frequencies(cases);
+    let power = sensitivity.power_at(&hertz);
     let mut found: Vec<usize> = Vec::new();
     for channel in 0..power.first().map_or(0, Vec::len) {
-        let weighed: Vec<f64> = power.iter().zip(hertz).map(|(power, hz)| power[channel] * hz * hz).collect();
+        let weighed: Vec<f64> = power.iter().zip(&hertz).map(|(power, hz)| power[channel] * hz * hz).collect();
         let mut peaks: Vec<usize> = (0..weighed.len())
             .filter(|&at| {
                 let around = &weighed[at.saturating_sub(1)..(at + 2).min(weighed.len())];
@@ -137,17 +129,27 @@ fn standing_out(sensitivity: &Sensitivity<'_>, hertz: &[f64]) -> Vec<f64> {
             })
             .collect();
         peaks.sort_by(|a, b| weighed[*b].total_cmp(&weighed[*a]));
-        found.extend(peaks.into_iter().take(PEAKS_TRIED));
+        found.extend(peaks.into_iter().filter(|&at| !is_commanded(cases, hertz[at])).take(PEAKS_TRIED));
     }
     found.sort_unstable();
     found.dedup();
     found.into_iter().map(|at| hertz[at]).collect()
 }
 
-/// The highest frequency that the recordings' grid can follow.
+/// Whether a command has a frequency itself, or a half or a third of it: a misfit has harmonics of what the command has.
+fn is_commanded(cases: &[&Prepared], hz: f64) -> bool {
+    let has = |case: &&Prepared| {
+        let (series, tick_s) = (case.stimulus.driving(), case.stimulus.tick.seconds());
+        [1.0, 2.0, 3.0].into_iter().any(|order| share_at(series, hz / order * tick_s) > COMMANDED_FROM)
+    };
+    cases.iter().any(has)
+}
+
+/// The highest frequency that the recordings' grid and their rows can follow.
 fn fastest_hz(cases: &[&Prepared], most_hz: f64) -> f64 {
     let tick_s = cases.iter().map(|case| case.stimulus.tick.seconds()).fold(0.0, f64::max);
-    most_hz.min(1.0 / (TICKS_A_PERIOD * tick_s))
+    let row_s = cases.iter().map(|case| case.duration_s() / case.rows().max(1) as f64).fold(0.0, f64::max);
+    most_hz.min(1.0 / (TICKS_A_PERIOD * tick_s)).min(1.0 / (ROWS_A_PERIOD * row_s))
 }
 
 /// Share of a series' variance that a line of this many cycles a value holds.
@@ -165,13 +167,12 @@ fn share_at(series: &[f64], cycles: f64) -> f64 {
 
 /// Structures over their range of frequencies and dampings.
 fn structures(cases: &[&Prepared]) -> Vec<Shape> {
-    let (low, high, count) = STRUCTURE_HZ;
-    let high = fastest_hz(cases, high);
-    let at = move |index: usize| low * (high / low).powf(index as f64 / (count - 1) as f64);
+    let (low, high) = (STRUCTURE_HZ.0, fastest_hz(cases, STRUCTURE_HZ.1));
+    let at = move |index: usize| low * (high / low).powf(index as f64 / (STRUCTURES - 1) as f64);
     let damped = |hz: f64, is_included: bool| {
         STRUCTURE_DAMPING.map(move |damping| Shape::Structure { hz, damping, is_included })
     };
-    (0..count)
+    (0..STRUCTURES)
         .flat_map(|index| [false, true].into_iter().flat_map(move |is_included| damped(at(index), is_included)))
         .collect()
 }

@@ -45,6 +45,12 @@ pub(super) struct Window {
 const MOST_INCLUDED: f64 = 0.9;
 /// The same of one beside it.
 const MOST_BESIDE: f64 = 50.0;
+/// Frequencies of a periodic force, Hz.
+pub(super) const PERIODIC_HZ: (f64, f64) = (1.0, 60.0);
+/// Frequencies of a structure, Hz.
+pub(super) const STRUCTURE_HZ: (f64, f64) = (2.0, 60.0);
+/// Dampings of a structure: with more it does not ring.
+const DAMPING: (f64, f64) = (1e-3, 0.3);
 /// Nodes of the force of a recording.
 pub(super) const NODES: usize = 60;
 /// A structure's acceleration is seen up to this many times its frequency: above, differences show a sensor's noise alone.
@@ -88,14 +94,24 @@ impl Shape {
     /// With the shaping value of this index moved by a share of itself.
     pub(super) fn moved(&self, index: usize, share: f64) -> Self {
         match (self, index) {
-            (&Self::Periodic { hz }, _) => Self::Periodic { hz: hz * (1.0 + share) },
+            (&Self::Periodic { hz }, _) => Self::Periodic { hz: within(PERIODIC_HZ, hz * (1.0 + share)) },
             (&Self::Structure { hz, damping, is_included }, 0) => {
-                Self::Structure { hz: hz * (1.0 + share), damping, is_included }
+                Self::Structure { hz: within(STRUCTURE_HZ, hz * (1.0 + share)), damping, is_included }
             }
             (&Self::Structure { hz, damping, is_included }, _) => {
-                Self::Structure { hz, damping: damping * (1.0 + share), is_included }
+                Self::Structure { hz, damping: within(DAMPING, damping * (1.0 + share)), is_included }
             }
             (other, _) => other.clone(),
+        }
+    }
+
+    /// Whether its shaping values are within their ranges: a structure at an end of them does not ring.
+    pub(super) fn is_within(&self) -> bool {
+        let inside = |(low, high): (f64, f64), value: f64| low < value && value < high;
+        match *self {
+            Self::Load | Self::Pushes(_) => true,
+            Self::Periodic { hz } => inside(PERIODIC_HZ, hz),
+            Self::Structure { hz, damping, .. } => inside(STRUCTURE_HZ, hz) && inside(DAMPING, damping),
         }
     }
 
@@ -161,8 +177,12 @@ impl Window {
     /// From when to when, s after the start of the recording.
     pub(super) fn time_s(&self, case: &Prepared) -> (f64, f64) {
         let apart_s = between_nodes_s(case);
-        ((self.first as f64 - 1.0).max(0.0) * apart_s, (self.last as f64 + 1.0) * apart_s)
+        ((self.first as f64 - 1.0).max(0.0) * apart_s, ((self.last as f64 + 1.0) * apart_s).min(case.duration_s()))
     }
+}
+
+fn within((low, high): (f64, f64), value: f64) -> f64 {
+    value.clamp(low, high)
 }
 
 /// Time between two nodes, s.
@@ -189,12 +209,19 @@ fn of_structure(case: &Prepared, hz: f64, damping: f64, is_included: bool) -> Op
     let tick_s = case.stimulus.tick.seconds();
     let rod_m = smooth(&case.stimulus.at_points(&position.bridged()), SEEN_TO * hz * tick_s);
     let omega = TAU * hz;
-    let (mut mass_m, mut mass_m_per_s) = (rod_m[0], 0.0);
+    let last = rod_m.len() - 1;
+    let velocity = |point: usize| {
+        let (before, next) = (point.saturating_sub(1), (point + 1).min(last));
+        (rod_m[next] - rod_m[before]) / ((next - before).max(1) as f64 * tick_s)
+    };
+    let (mut mass_m, mut mass_m_per_s) = (rod_m[0], velocity(0));
     let mut force_n = Vec::with_capacity(rod_m.len());
-    for point in 0..rod_m.len() {
-        let (before, next) = (rod_m[point.saturating_sub(1)], rod_m[(point + 1).min(rod_m.len() - 1)]);
-        let rod_m_per_s = (next - before) / (2.0 * tick_s);
-        let of_rod = if point == 0 { 0.0 } else { (next - 2.0 * rod_m[point] + before) / (tick_s * tick_s) };
+    for point in 0..=last {
+        let rod_m_per_s = velocity(point);
+        // At the ends nothing tells it.
+        let is_end = point == 0 || point == last;
+        let of_rod =
+            if is_end { 0.0 } else { (rod_m[point + 1] - 2.0 * rod_m[point] + rod_m[point - 1]) / tick_s.powi(2) };
         let of_mass = omega * omega * (rod_m[point] - mass_m) + 2.0 * damping * omega * (rod_m_per_s - mass_m_per_s);
         force_n.push(if is_included { of_rod - of_mass } else { -of_mass });
         // Velocity first: then an undamped mass keeps its energy.

@@ -101,10 +101,18 @@ impl<'a> Sensitivity<'a> {
         simulated(machine, &runs(machine, cases), |row| self.kept.has(row))
     }
 
-    /// Half the sum of the squared residuals at the solution, without priors.
+    /// Half the sum of the squared residuals at the solution, without priors and without what noise leaves of it.
     #[must_use]
-    pub fn misfit(&self) -> f64 {
-        self.blocks.iter().flat_map(|block| &block.residuals).map(|(residual, _)| 0.5 * residual * residual).sum()
+    pub fn misfit_above_noise(&self) -> f64 {
+        let noise = self.kept.weight * self.kept.weight;
+        let above = self.blocks.iter().flat_map(|block| &block.residuals).map(|(one, _)| 0.5 * (one * one - noise));
+        above.sum::<f64>().max(0.0)
+    }
+
+    /// Half the sum of squares that a linearised refit of the free parameters leaves.
+    #[must_use]
+    pub fn settled_loss(&self) -> f64 {
+        self.settle(&vec![Vec::new(); self.cases.len()]).loss
     }
 
     /// Power of each channel's residuals at each of these frequencies, Hz, over all recordings: what a wave of that frequency would explain of it.
@@ -290,6 +298,13 @@ impl Directed {
             active.remove(worst);
         }
         (vec![0.0; count], 0.0)
+    }
+
+    /// The gain of given amounts.
+    #[must_use]
+    pub fn gain_of(&self, amounts: &[f64]) -> f64 {
+        let amounts = DVector::from_column_slice(amounts);
+        self.right.dot(&amounts) - 0.5 * amounts.dot(&(&self.matrix * &amounts))
     }
 
     /// The same of some of the directions, the others left out.

@@ -102,9 +102,9 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
 
 /// A cause outside the drive.
 fn outside(outside: &Outside) -> Value {
-    let each = |(recording, force_n): &(String, f64)| json!({ "recording": recording, "force_n": digits(*force_n, 5) });
+    let each = |key: &'static str| move |(recording, newtons): &(String, f64)| json!({ "recording": recording, key: digits(*newtons, 5) });
     let mut told = match &outside.cause {
-        Cause::Load(loads) => json!({ "kind": "load", "in": loads.iter().map(each).collect::<Vec<_>>() }),
+        Cause::Load(loads) => json!({ "kind": "load", "in": loads.iter().map(each("force_n")).collect::<Vec<_>>() }),
         Cause::Push(pushes) => {
             let push = |push: &Push| {
                 json!({
@@ -118,7 +118,7 @@ fn outside(outside: &Outside) -> Value {
             json!({ "kind": "push", "in": pushes.iter().map(push).collect::<Vec<_>>() })
         }
         Cause::Periodic { hz, amplitude_n } => json!({
-            "kind": "periodic", "frequency_hz": digits(*hz, 5), "in": amplitude_n.iter().map(each).collect::<Vec<_>>(),
+            "kind": "periodic", "frequency_hz": digits(*hz, 5), "in": amplitude_n.iter().map(each("amplitude_n")).collect::<Vec<_>>(),
         }),
         Cause::Structure { hz, damping, mass_kg } => json!({
             "kind": "structure",

@@ -167,8 +167,9 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
                 }
                 None => "not confirmed: no recording was held out".to_owned(),
             };
-            let outside = diagnosis.outside.as_ref().map(|outside| wording::outside_cause(&outside.cause));
-            let outside = outside.map_or_else(String::new, |cause| format!("; from outside: {cause}"));
+            let outside = diagnosis.outside.as_ref().map(|outside| wording::outside_kind(&outside.cause));
+            let outside =
+                outside.map_or_else(String::new, |cause| format!("; beside it, from outside the drive: {cause}"));
             let effects = effects.join(" and ");
             match worst(&diagnosis.left) {
                 Some(left) => format!(
@@ -184,8 +185,8 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
             format!("{name}: nothing missing: the refitted model follows the recordings within {noise}")
         }
         Verdict::Unexplained if let Some(outside) = &diagnosis.outside => format!(
-            "{name}: unexplained by the drive itself: from outside comes {}; no effect of the catalogue explains as much",
-            wording::outside_cause(&outside.cause)
+            "{name}: unexplained by the drive itself; probable cause outside it: {}; no effect of the catalogue explains as much",
+            wording::outside_kind(&outside.cause)
         ),
         Verdict::Unexplained => {
             format!(

@@ -16,7 +16,7 @@ pub use doubt::doubt;
 pub use far_value::{far_value, far_values};
 pub use finding::{advice, correction_table, correlation, jumps};
 pub use location::{error_shape, region, spool_habit};
-pub use outside::{outside_cause, outside_explains};
+pub use outside::{outside_cause, outside_explains, outside_kind};
 pub use recordings::{range_end, recording_advice, taken_as_absolute, unsettled};
 pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
 pub use unit::unit_doubt;

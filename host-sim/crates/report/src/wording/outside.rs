@@ -9,7 +9,7 @@ pub fn outside_cause(cause: &Cause) -> String {
     match cause {
         Cause::Load(loads) => {
             let each = |(recording, force_n): &(String, f64)| format!("{} N in {recording}", signed(*force_n));
-            format!("another load in each recording ({})", joined(loads, each))
+            format!("another load in each recording (besides the machine file's {})", joined(loads, each))
         }
         Cause::Push(pushes) => {
             let each = |push: &Push| {
@@ -36,6 +36,18 @@ pub fn outside_cause(cause: &Cause) -> String {
             significant(*mass_kg, 2),
             significant(*damping, 2)
         ),
+    }
+}
+
+/// Its kind, for a headline.
+#[must_use]
+pub fn outside_kind(cause: &Cause) -> String {
+    match cause {
+        Cause::Load(_) => "another load in each recording".to_owned(),
+        Cause::Push(pushes) if pushes.len() == 1 => "a push that happened once".to_owned(),
+        Cause::Push(_) => "pushes in some of the recordings".to_owned(),
+        Cause::Periodic { hz, .. } => format!("a periodic force at {} Hz", significant(*hz, 3)),
+        Cause::Structure { hz, .. } => format!("a structure that rings on the rod at {} Hz", significant(*hz, 3)),
     }
 }
 
@@ -74,6 +86,7 @@ mod tests {
             outside_cause(&outside.cause),
             "a push that happened once (−3120 N on average from 1.20 to 1.55 s of train-2)"
         );
+        assert_eq!(outside_kind(&outside.cause), "a push that happened once");
         assert!(outside_explains(&outside).starts_with("92 % of the misfit above the noise; it acted in training"));
         let ringing = Outside {
             cause: Cause::Structure { hz: 14.96, damping: 0.031, mass_kg: 61.0 },

@@ -9,7 +9,8 @@ impl Stimulus {
         self.ticks + 1
     }
 
-    /// The same with a further external force at each grid point, N; positive extends. A drive that starts at rest holds its first value.
+    /// The same with a further external force at each grid point, N; positive extends. Where pressures are not recorded, the drive starts in balance with its
+    /// first value; where they are, they tell the start, and its bristles hold the rest.
     #[must_use]
     pub fn with_force(&self, force_n: &[f64]) -> Self {
         let mut with = self.clone();
