@@ -145,8 +145,14 @@ fn of_two_effects_held_out_recordings_take_out_the_one_they_gain_nothing_by() {
     let mut two = beside(&one, hypotheses[1]);
     two.fit.machine.set(P::HysteresisWidth, 0.05);
 
-    let mut selection =
-        Selection { base, chosen: two, rounds: vec![Vec::new(), Vec::new()], joined: Vec::new(), jumps: None };
+    let mut selection = Selection {
+        inflated: base.fit.clone(),
+        base,
+        chosen: two,
+        rounds: vec![Vec::new(), Vec::new()],
+        joined: Vec::new(),
+        jumps: None,
+    };
     assert!(selection.refused(&question, &[]).unwrap().is_empty(), "nothing is held out that could speak against it");
     let refused: Vec<&str> = selection.refused(&question, &held).unwrap().iter().map(|effect| effect.name).collect();
     assert_eq!((refused, selection.chosen.names()), (vec![effects[1]], vec![effects[0]]));

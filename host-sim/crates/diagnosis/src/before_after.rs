@@ -4,40 +4,44 @@ use identification::parallel;
 
 use identification::experiment::Prepared;
 use identification::fit::{Fit, StartState, settle};
-use model_core::machine::MachineError;
-use simulation::{Trajectory, simulate_f64};
+use model_core::machine::{Machine, MachineError};
+use simulation::simulate_f64;
 
 use crate::outcome::Shown;
 
-/// A model with the recordings as it is driven by them: the training ones in the order of its starts.
-pub(crate) struct Driven<'a> {
-    pub(crate) fit: &'a Fit,
-    pub(crate) trained: &'a [Prepared],
-    pub(crate) held: &'a [Prepared],
+/// All recordings, simulated by the models before and after from the fitted initial states; held-out recordings have no fitted state. `plain` are the
+/// same recordings without the force from outside that only the model after has as an input; empty where there is none.
+pub(crate) fn show_all(
+    trained: Vec<Prepared>,
+    held: Vec<Prepared>,
+    plain: &[&Prepared],
+    before: &Fit,
+    after: &Fit,
+) -> Result<Vec<Shown>, MachineError> {
+    let starts = before.starts.iter().zip(&after.starts).map(|(&before, &after)| Some((before, after)));
+    let together: Vec<_> = trained.into_iter().zip(starts).chain(held.into_iter().map(|case| (case, None))).collect();
+    parallel::try_each(together.into_iter().enumerate(), |(index, (prepared, starts))| {
+        show(prepared, plain.get(index).copied(), starts, &before.machine, &after.machine)
+    })
 }
 
-impl<'a> Driven<'a> {
-    /// Each recording with the state that it starts from; a held-out one from the state that suits the model best.
-    fn all(&self) -> impl Iterator<Item = (&'a Prepared, Option<StartState>)> {
-        let starts = self.fit.starts.iter().copied().map(Some);
-        self.trained.iter().zip(starts).chain(self.held.iter().map(|case| (case, None)))
-    }
-
-    fn simulated(&self, (case, start): (&Prepared, Option<StartState>)) -> Result<Trajectory, MachineError> {
-        let machine = &self.fit.machine;
-        let start = start.map_or_else(|| settle(machine, case), Ok)?;
-        simulate_f64(machine, &case.stimulus, start.offset(machine, case))
-    }
-}
-
-/// All recordings, simulated by the models before and after.
-pub(crate) fn show_all(before: &Driven<'_>, after: &Driven<'_>) -> Result<Vec<Shown>, MachineError> {
-    parallel::try_each(before.all().zip(after.all()), |(of_before, of_after)| {
-        Ok(Shown {
-            held_out: of_before.1.is_none(),
-            before: before.simulated(of_before)?,
-            after: after.simulated(of_after)?,
-            prepared: of_after.0.clone(),
-        })
+/// Simulates before and after from the fitted initial states; a held-out recording has none and starts from the state that suits each model best.
+fn show(
+    prepared: Prepared,
+    plain: Option<&Prepared>,
+    starts: Option<(StartState, StartState)>,
+    before: &Machine<f64>,
+    after: &Machine<f64>,
+) -> Result<Shown, MachineError> {
+    let plain = plain.unwrap_or(&prepared);
+    let (from_before, from_after) = match starts {
+        Some(starts) => starts,
+        None => (settle(before, plain)?, settle(after, &prepared)?),
+    };
+    Ok(Shown {
+        held_out: starts.is_none(),
+        before: simulate_f64(before, &plain.stimulus, from_before.offset(before, plain))?,
+        after: simulate_f64(after, &prepared.stimulus, from_after.offset(after, &prepared))?,
+        prepared,
     })
 }

@@ -4,17 +4,19 @@
 //! ones are opened after it, and may only take away from it.
 
 use std::collections::BTreeMap;
+use std::mem;
 
 use identification::compare::CompareError;
 use identification::experiment::{JudgedSignal, Prepared};
-use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, set_tolerances};
+use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
 use simulation::signal::noise::extent;
 use simulation::simulate_f64;
 
-use crate::before_after::{Driven, show_all};
+use crate::asked::Asked;
+use crate::before_after::show_all;
 use crate::catalogue::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::correction_table::improved;
 use crate::decision::{Decision, decide};
@@ -22,13 +24,11 @@ use crate::finding::Finding;
 use crate::localisation::locate::locate;
 use crate::localisation::{Case, Location, Miss, Sought, misses};
 use crate::outcome::{Diagnosis, Verdict};
-use crate::outside::{self, Outside};
 use crate::selection::candidate::Reference;
-use crate::selection::decision_rule::{BELOW_VACUUM_PA, NEAR_TANK_PA, OUTSIDE_KEEPS, SEARCHED_TO};
+use crate::selection::decision_rule::{BELOW_VACUUM_PA, NEAR_TANK_PA};
 use crate::selection::excerpt::Excerpt;
-use crate::selection::forward::select;
 use crate::selection::screen::Lead;
-use crate::selection::{Candidate, Question, Selection, explains_enough, lengthened};
+use crate::selection::{Candidate, Question};
 use crate::settled_valve::SettledValve;
 
 /// Why there is no diagnosis.
@@ -129,19 +129,23 @@ pub fn diagnose(
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, base_parameters, hypotheses: &hypotheses };
     let mut selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;
-    let outside = if excerpt.is_none() { asked.outside(&selection, &trained, &held, progress)? } else { None };
-    // Where and how the misfit looks is told of the model without a force from outside.
-    let (plain_trained, plain_held, plain_base) = (trained.clone(), held.clone(), selection.base.clone());
-    let outside = outside.map(|found| {
-        (trained, held, selection) = (found.trained, found.held, found.selection);
-        found.told
-    });
+    let beside = if excerpt.is_none() { asked.outside(&selection, &trained, &held, progress)? } else { None };
+    let (plain, outside) = beside
+        .map(|beside| {
+            let trained = mem::replace(&mut trained, beside.trained);
+            let held = mem::replace(&mut held, beside.held);
+            let base = mem::replace(&mut selection, beside.selection).base;
+            (Plain { trained, held, base }, beside.told)
+        })
+        .unzip();
 
     let references: Vec<&Prepared> = trained.iter().collect();
     let opened: Vec<&Prepared> = held.iter().collect();
     let Decision { findings, not_confirmed, confirmation, after, estimates } =
         decide(&asked.of(&references), &mut selection, &opened)?;
-    let without: Vec<&Prepared> = plain_trained.iter().collect();
+    // Where and how the misfit looks is told of the model without a force from outside.
+    let plain_base = plain.as_ref().map_or(&selection.base, |plain| &plain.base);
+    let without: Vec<&Prepared> = plain.as_ref().map_or(&trained, |plain| &plain.trained).iter().collect();
     let verdict = verdict(&findings, plain_base.misses_by_more_than_noise(&asked.of(&without)));
     // Where and how it looks is told by what was searched.
     let (recordings, searched) = match &excerpt {
@@ -176,10 +180,8 @@ pub fn diagnose(
     };
     let left = above_noise_by(&after, &references)?;
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
-    let shown = show_all(
-        &Driven { fit: &plain_base.fit, trained: &plain_trained, held: &plain_held },
-        &Driven { fit: &after.fit, trained: &trained, held: &held },
-    )?;
+    let plain: Vec<&Prepared> = plain.iter().flat_map(|plain| plain.trained.iter().chain(&plain.held)).collect();
+    let shown = show_all(trained, held, &plain, &plain_base.fit, &after.fit)?;
     let of_spool = valve.map(|valve| valve.estimates).unwrap_or_default();
     Ok(Diagnosis {
         machine: file.name.clone(),
@@ -202,6 +204,13 @@ pub fn diagnose(
         not_testable,
         selection,
     })
+}
+
+/// What there was before a force from outside became an input.
+struct Plain {
+    trained: Vec<Prepared>,
+    held: Vec<Prepared>,
+    base: Candidate,
 }
 
 /// Where the misfit of a model is, by what was named of it, or else by what the best hypothesis of each subsystem would gain.
@@ -234,116 +243,6 @@ fn of_base(free: &[Free], estimates: impl Iterator<Item = Estimate>) -> Vec<Esti
     let estimates: Vec<Estimate> = estimates.collect();
     let of = |free: &Free| estimates.iter().find(|estimate| estimate.parameter == free.parameter).copied();
     free.iter().filter_map(of).collect()
-}
-
-/// What is asked of the recordings, whichever part of them is looked at.
-#[derive(Clone, Copy)]
-struct Asked<'a> {
-    scene: &'a Scene<'a>,
-    base_parameters: &'a [Free],
-    hypotheses: &'a [&'static Hypothesis],
-}
-
-impl<'a> Asked<'a> {
-    /// Of these training recordings.
-    fn of<'b>(self, training: &'b [&'b Prepared]) -> Question<'b>
-    where
-        'a: 'b,
-    {
-        Question { scene: self.scene, base_parameters: self.base_parameters, hypotheses: self.hypotheses, training }
-    }
-
-    /// The effects that the training recordings choose: of long ones their excerpt, and then the whole.
-    fn selected(
-        self,
-        trained: &mut [Prepared],
-        excerpt: Option<&mut Excerpt>,
-        progress: Progress<'_>,
-    ) -> Result<Selection, FitError> {
-        let done = |name: &str| progress(name);
-        let mut selection = self.searched(trained, excerpt, &done)?;
-        let references: Vec<&Prepared> = trained.iter().collect();
-        selection.find_jumps(&self.of(&references), &done)?;
-        Ok(selection)
-    }
-
-    /// A cause outside the drive that explains what the catalogue does not, with the search repeated beside it.
-    fn outside(
-        self,
-        selection: &Selection,
-        trained: &[Prepared],
-        held: &[Prepared],
-        progress: Progress<'_>,
-    ) -> Result<Option<Beside>, FitError> {
-        let references: Vec<&Prepared> = trained.iter().collect();
-        let question = self.of(&references);
-        let is_explained = explains_enough(&question, &selection.base, &selection.chosen, SEARCHED_TO)
-            || !selection.base.misses_by_more_than_noise(&question);
-        // The load that balances recorded pressures has every force in it.
-        if is_explained || trained.iter().any(|case| case.stimulus.is_balanced()) {
-            return Ok(None);
-        }
-        let Some(found) = outside::find(&question, selection)? else { return Ok(None) };
-        let done = |name: &str| progress(name);
-        let trained = found.force.on(&references);
-        let forced: Vec<&Prepared> = trained.iter().collect();
-        let forced_question = self.of(&forced);
-        let beside = if found.force.follows_recorded_motion() {
-            // Nothing is named beside it: a finding is made in free run.
-            let base = Candidate::base(&forced_question, &found.near, &found.near)?;
-            Selection { chosen: base.clone(), base, jumps: None, ..selection.clone() }
-        } else {
-            let mut beside = select(&forced_question, &found.near, &done)?;
-            beside.find_jumps(&forced_question, &done)?;
-            beside
-        };
-        let opened: Vec<&Prepared> = held.iter().collect();
-        let (was, is) = (&selection.base.fit.machine, &beside.base.fit.machine);
-        let in_held = found.force.in_others(is, &opened)?;
-        let held = in_held.as_ref().map_or_else(|| held.to_vec(), |force| force.on(&opened));
-        let with: Vec<&Prepared> = held.iter().collect();
-        let told = if held.is_empty() { None } else { Some(outside::HeldOut::of((was, &opened), (is, &with))?) };
-        let is_kept = told.is_none_or(|held| match in_held {
-            Some(_) => held.explains() > OUTSIDE_KEEPS * found.explains,
-            None => !held.is_worse(),
-        });
-        let told = Outside {
-            cause: found.force.cause(&references),
-            explains: found.explains,
-            explains_held_out: told.filter(|_| in_held.is_some()).map(|held| held.explains()),
-        };
-        Ok(is_kept.then_some(Beside { told, selection: beside, trained, held }))
-    }
-
-    /// The same as far as free runs tell.
-    fn searched(
-        self,
-        trained: &mut [Prepared],
-        excerpt: Option<&mut Excerpt>,
-        done: &(impl Fn(&str) + Sync),
-    ) -> Result<Selection, FitError> {
-        let search = |cases: &mut [Prepared]| {
-            let near = Candidate::tolerated(self.scene, self.base_parameters, cases)?;
-            let references: Vec<&Prepared> = cases.iter().collect();
-            select(&self.of(&references), &near, done)
-        };
-        let Some(excerpt) = excerpt else { return search(trained) };
-        let mut found = search(&mut excerpt.cases)?;
-        for candidate in [&mut found.base, &mut found.chosen] {
-            candidate.fit.starts = excerpt.starts_of_all(&candidate.fit.starts, trained.len());
-        }
-        set_tolerances(&found.base.fit.machine, trained, &found.base.fit.starts)?;
-        let references: Vec<&Prepared> = trained.iter().collect();
-        lengthened(&self.of(&references), &found, done)
-    }
-}
-
-/// A search beside a force from outside, with the recordings that have that force as an input.
-struct Beside {
-    told: Outside,
-    selection: Selection,
-    trained: Vec<Prepared>,
-    held: Vec<Prepared>,
 }
 
 /// Signals that a candidate model still misses by more than noise.

@@ -9,6 +9,7 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 pub mod agreement;
+mod asked;
 mod before_after;
 pub mod catalogue;
 pub mod correction_table;

@@ -83,18 +83,40 @@ impl<'a> Grid<'a> {
 
     /// At each grid point, the recorded values, linear in between.
     pub(crate) fn points(&self, values: &[f64]) -> Vec<f64> {
-        let mut row = 0;
-        (0..=self.ticks)
-            .map(|point| {
-                let time = self.origin.time_s + (self.origin.point + point) as f64 * self.tick_s;
-                while row + 2 < self.time_s.len() && self.time_s[row + 1] <= time {
-                    row += 1;
-                }
-                let share = ((time - self.time_s[row]) / (self.time_s[row + 1] - self.time_s[row])).clamp(0.0, 1.0);
-                // Exactly the recorded value where a row lies on the grid.
-                let share = if (share - share.round()).abs() < 1e-6 { share.round() } else { share };
-                if share >= 1.0 { values[row + 1] } else { values[row] + share * (values[row + 1] - values[row]) }
-            })
-            .collect()
+        let time = |point: usize| self.origin.time_s + (self.origin.point + point) as f64 * self.tick_s;
+        between_rows(self.time_s, values, (0..=self.ticks).map(time))
+    }
+}
+
+/// A series with one value for each row, at other times in their order: linear between rows, held before the first and after the last.
+pub fn between_rows(row_s: &[f64], values: &[f64], times_s: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut row = 0;
+    times_s
+        .map(|time| {
+            while row + 2 < row_s.len() && row_s[row + 1] <= time {
+                row += 1;
+            }
+            let share = ((time - row_s[row]) / (row_s[row + 1] - row_s[row])).clamp(0.0, 1.0);
+            // Exactly the recorded value where a row is at that time.
+            let share = if (share - share.round()).abs() < 1e-6 { share.round() } else { share };
+            if share >= 1.0 { values[row + 1] } else { values[row] + share * (values[row + 1] - values[row]) }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_joined_by_straight_lines() {
+        let rows: Vec<f64> = (0..600).map(|row| 2.0 * f64::from(row)).collect();
+        let row_s: Vec<f64> = (0..600).map(|row| 1e-3 * f64::from(row)).collect();
+        let points = between_rows(&row_s, &rows, row_s.iter().copied());
+        assert_eq!(points.len(), rows.len());
+        assert!(points.iter().enumerate().all(|(point, value)| (value - 2.0 * point as f64).abs() < 1e-9));
+        // Between rows, before the first and after the last.
+        let off = between_rows(&row_s, &rows, [-1.0, 0.25e-3, 10.75e-3, 5.0].into_iter());
+        assert!(off.iter().zip([0.0, 0.5, 21.5, 1198.0]).all(|(found, true_value)| (found - true_value).abs() < 1e-9));
     }
 }

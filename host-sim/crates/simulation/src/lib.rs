@@ -31,6 +31,7 @@ mod stimulus;
 pub use arithmetic::Arithmetic;
 pub use derivatives::{By, Derivatives, Derived, MOST_PARAMETERS};
 pub use error::SimulateError;
+pub use grid::between_rows;
 pub use in_chunks::{Advance, InChunks};
 pub use in_lanes::{Run, run_in_lanes};
 pub use initial_state::{DELAY_LINE, StartOffset};

@@ -7,19 +7,19 @@
 mod proposals;
 mod shape;
 
+use std::collections::HashSet;
+
 use identification::experiment::Prepared;
-use identification::fit::{
-    Change, Fit, FitError, Sensitivity, StartState, coarse, misfits_of, set_tolerances, settle, standardised_all,
-};
+use identification::fit::{Change, Fit, FitError, Sensitivity, StartState, coarse, misfits, set_tolerances, settle};
 use identification::parallel;
-use model_core::machine::{Machine, Parameter};
+use model_core::machine::{Machine, MachineError, Parameter};
 use proposals::{Proposal, proposals};
 use shape::{Shape, Unit};
 
 use crate::selection::candidate::{NEARLY, SETTLED};
 use crate::selection::decision_rule::{LEAST_EXPLAINED, LIKELIER_BY, OUTSIDE_PROMISES, OUTSIDE_SPOILS};
 use crate::selection::likelihood::{misfit_above_noise, straightened};
-use crate::selection::{Candidate, Gained, InflatedNoise, Question, Selection};
+use crate::selection::{Candidate, Gained, Question, Selection};
 
 /// Rounds of a refit: amounts of force, then base parameters.
 const ROUNDS: usize = 10;
@@ -27,14 +27,12 @@ const ROUNDS: usize = 10;
 const ENDS_BELOW: f64 = 1e-3;
 /// A round moves a frequency or a damping by at most this share.
 const MOST_MOVED: f64 = 0.3;
-/// How many of the solutions at which forces are sought were fitted to all recordings; they come first.
-const OF_ALL: usize = 2;
+/// Share by which these are moved to see what that changes.
+const TRIED: f64 = 1e-3;
 /// Steps by which the amounts in a held-out recording are found: its forces act on a machine that is known.
 const STEPS_HELD_OUT: usize = 4;
 /// Standard deviations of a sum of squares of noise.
 const OF_NOISE: f64 = 3.0;
-/// Share by which these are moved to see what that changes.
-const TRIED: f64 = 1e-3;
 /// Amount of force whose effect is simulated, as a share of the full force of the drive.
 const UNIT_SHARE: f64 = 0.01;
 
@@ -110,12 +108,12 @@ pub(crate) fn find(question: &Question<'_>, selection: &Selection) -> Result<Opt
     let base = &selection.base;
     let likeliest = selection.rounds.iter().flatten().map(|trial| trial.net).fold(0.0, f64::max);
     let mut proposed: Vec<(f64, Force, Fit)> = Vec::new();
-    for (place, fit) in references(question, base)?.into_iter().enumerate() {
+    for Solution { fit, once } in solutions(question, selection)? {
         let coarser = coarse(question.training, &fit.machine, &fit.starts)?;
         let cases: Vec<&Prepared> = coarser.iter().collect();
         let Some(sensitivity) = Sensitivity::at(&fit, &cases)? else { continue };
         let (misfit, left) = (sensitivity.misfit_above_noise(), sensitivity.settled_loss());
-        for Proposal { force, gain } in proposals(question.scene.machine, &sensitivity, &cases, place >= OF_ALL)? {
+        for Proposal { force, gain } in proposals(question.scene.machine, &sensitivity, &cases, once)? {
             // The motion that was recorded drives a structure: nothing that is named in free run is given up for it.
             let is_open = selection.chosen.effects.is_empty() || !force.follows_recorded_motion();
             if is_open && gain > OUTSIDE_PROMISES * misfit {
@@ -125,12 +123,8 @@ pub(crate) fn find(question: &Question<'_>, selection: &Selection) -> Result<Opt
     }
     proposed.sort_by(|a, b| a.0.total_cmp(&b.0));
     // The best of each kind.
-    let mut kinds = Vec::new();
-    proposed.retain(|(_, force, _)| {
-        let (kind, is_new) = (force.shape.kind(), !kinds.contains(&force.shape.kind()));
-        kinds.push(kind);
-        is_new
-    });
+    let mut kinds = HashSet::new();
+    proposed.retain(|(_, force, _)| kinds.insert(force.shape.kind()));
     let mut best: Option<(f64, Found)> = None;
     for (_, force, near) in proposed {
         let (force, with) = force.refitted(question, &near)?;
@@ -147,24 +141,36 @@ pub(crate) fn find(question: &Question<'_>, selection: &Selection) -> Result<Opt
     Ok(best.map(|(_, found)| found))
 }
 
-/// Solutions at which forces are sought: the base, the base with inflated noise, and the base without one of the recordings. A force that the model
+/// A solution at which forces are sought.
+struct Solution {
+    fit: Fit,
+    /// Whether what is sought happened once: in the recording that it was fitted without.
+    once: bool,
+}
+
+/// Where forces are sought: the base, the base with inflated noise, and the base without one of the recordings. A force that the model
 /// lacks bends the base parameters; with inflated noise they stay where they can be, and what acts in one recording does not bend those of the others.
-fn references(question: &Question<'_>, base: &Candidate) -> Result<Vec<Fit>, FitError> {
-    let mut all = vec![base.fit.clone(), InflatedNoise::of(question)?.base.fit];
-    debug_assert_eq!(all.len(), OF_ALL);
+fn solutions(question: &Question<'_>, selection: &Selection) -> Result<Vec<Solution>, FitError> {
+    let of_all = [&selection.base.fit, &selection.inflated];
+    let mut all: Vec<Solution> = of_all.map(|fit| Solution { fit: fit.clone(), once: false }).into();
     if question.training.len() < 2 {
         return Ok(all);
     }
-    let without = |index: usize| -> Result<Fit, FitError> {
+    let without = |index: usize| -> Result<Solution, FitError> {
         let mut training = question.training.to_vec();
         training.remove(index);
         let others = Question { training: &training, ..*question };
         let mut fit = Candidate::rough(&others, None)?.fit;
         fit.starts.insert(index, StartState::default());
-        Ok(fit)
+        Ok(Solution { fit, once: true })
     };
     all.extend(parallel::try_each(0..question.training.len(), without)?);
     Ok(all)
+}
+
+/// The state that each recording starts from, as it suits a machine best.
+fn settled(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Vec<StartState>, MachineError> {
+    cases.iter().map(|case| settle(machine, case)).collect()
 }
 
 /// The force of a unit amount of a shape on this machine, N; of a structure, its mass, kg.
@@ -189,8 +195,8 @@ fn directions(
         .map(|Unit { case, force_n, .. }| (case, force_n.into_iter().map(|force_n| unit * force_n).collect()))
         .collect();
     let mut all: Vec<Change> = vec![vec![Vec::new(); cases]; amounts];
-    for ((amount, (case, _)), mut change) in of.into_iter().zip(&forces).zip(sensitivity.changes_by_force(&forces)?) {
-        all[amount][*case] = std::mem::take(&mut change[*case]);
+    for ((amount, (case, _)), change) in of.into_iter().zip(&forces).zip(sensitivity.changes_by_force(&forces)?) {
+        all[amount][*case] = change;
     }
     Ok(all)
 }
@@ -280,10 +286,7 @@ impl Force {
                 here.iter().zip(there).map(|(here, there)| there - here).collect()
             };
             let forces: Vec<(usize, Vec<f64>)> = here.iter().zip(moved.in_each(&cases)).map(more).enumerate().collect();
-            let changes = sensitivity.changes_by_force(&forces)?;
-            all.push(
-                changes.into_iter().enumerate().map(|(case, mut change)| std::mem::take(&mut change[case])).collect(),
-            );
+            all.push(sensitivity.changes_by_force(&forces)?);
         }
         let (steps, _) = sensitivity.directed(&all).amounts(&vec![false; all.len()]);
         let (of_amounts, of_shape) = steps.split_at(self.amounts.len());
@@ -308,7 +311,7 @@ impl Force {
                 let mut force = Self { shape: self.shape.clone(), amounts: vec![0.0; self.shape.amounts(cases.len())] };
                 for _ in 0..STEPS_HELD_OUT {
                     let mut forced = force.on(cases);
-                    let starts = forced.iter().map(|case| settle(machine, case)).collect::<Result<Vec<_>, _>>()?;
+                    let starts = settled(machine, &forced.iter().collect::<Vec<_>>())?;
                     // What is far off beforehand must not count less.
                     set_tolerances(machine, &mut forced, &starts)?;
                     force = force.stepped_on(&Fit::of(*machine, starts), &forced, machine, 0)?;
@@ -369,9 +372,7 @@ impl HeldOut {
     ) -> Result<Self, FitError> {
         let mut rows = 0.0;
         let mut above = |(machine, cases): (&Machine<f64>, &[&Prepared])| -> Result<f64, FitError> {
-            let starts = cases.iter().map(|case| settle(machine, case)).collect::<Result<Vec<_>, _>>()?;
-            let residuals = standardised_all(machine, cases.iter().copied().zip(starts))?;
-            let misfits = misfits_of(cases.iter().copied(), &residuals);
+            let misfits = misfits(machine, cases.iter().copied().zip(settled(machine, cases)?))?;
             rows = misfits.iter().map(|misfit| misfit.rows).sum();
             Ok(misfits.iter().map(|misfit| (misfit.square - misfit.rows).max(0.0)).sum())
         };

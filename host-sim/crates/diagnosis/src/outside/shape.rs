@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use identification::experiment::Prepared;
 use model_core::machine::{Machine, Parameter};
 use recording::Signal;
+use simulation::between_rows;
 
 /// What a force follows.
 #[derive(Clone, Debug, PartialEq)]
@@ -207,7 +208,8 @@ fn each_point<'a>(case: &Prepared, of_time: impl Fn(f64) -> f64 + 'a) -> impl It
 fn of_structure(case: &Prepared, hz: f64, damping: f64, is_included: bool) -> Option<Vec<f64>> {
     let position = case.channels.iter().find(|channel| channel.signal == Signal::Position)?;
     let tick_s = case.stimulus.tick.seconds();
-    let rod_m = smooth(&case.stimulus.at_points(&position.bridged()), SEEN_TO * hz * tick_s);
+    let times_s = (0..case.stimulus.points()).map(|point| case.time_s[0] + point as f64 * tick_s);
+    let rod_m = smooth(&between_rows(&case.time_s, &position.bridged(), times_s), SEEN_TO * hz * tick_s);
     let omega = TAU * hz;
     let last = rod_m.len() - 1;
     let velocity = |point: usize| {

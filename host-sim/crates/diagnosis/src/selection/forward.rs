@@ -57,8 +57,8 @@ pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)
     }
     done("refit");
     course.forward(question, SEARCHED_TO, done)?;
-    let Course { base, chosen, rounds, joined, .. } = course;
-    Ok(Selection { base, chosen, rounds, joined, jumps: None })
+    let Course { base, inflated, chosen, rounds, joined, .. } = course;
+    Ok(Selection { base, inflated: inflated.base.fit, chosen, rounds, joined, jumps: None })
 }
 
 impl Course {

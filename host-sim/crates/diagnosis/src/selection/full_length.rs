@@ -31,6 +31,7 @@ pub fn lengthened(
     done("the whole recordings");
     let mut selection = Selection {
         chosen: base.clone(),
+        inflated: found.inflated.clone(),
         base,
         rounds: found.rounds.clone(),
         joined: found.joined.clone(),

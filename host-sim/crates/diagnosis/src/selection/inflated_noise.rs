@@ -17,7 +17,7 @@ use super::candidate::{Candidate, Question, Weighing, noisier};
 
 /// The inflated noise of a refitted model, and that model.
 #[derive(Clone, Debug)]
-pub(crate) struct InflatedNoise {
+pub(super) struct InflatedNoise {
     /// Noise of every channel as large and as correlated as the model's residual.
     pub correlated: Weighing,
     /// The same with every sample independent.
@@ -28,7 +28,7 @@ pub(crate) struct InflatedNoise {
 
 impl InflatedNoise {
     /// Each round takes the noise from the residual of the round before; the first from that of the machine file as it is.
-    pub(crate) fn of(question: &Question<'_>) -> Result<Self, FitError> {
+    pub(super) fn of(question: &Question<'_>) -> Result<Self, FitError> {
         /// After three rounds the noise hardly changes.
         const ROUNDS: usize = 3;
         let nominal = vec![StartState::default(); question.training.len()];

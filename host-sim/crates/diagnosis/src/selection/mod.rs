@@ -23,7 +23,6 @@ pub use candidate::{Candidate, Chosen, Question};
 pub use confirmation::{Confirmation, confirm};
 pub use extended::extended;
 pub use full_length::lengthened;
-pub(crate) use inflated_noise::InflatedNoise;
 pub(crate) use likelihood::Gained;
 pub use outcome::{JumpEvidence, JumpsFound, Selection, Trial};
 pub(crate) use round::explains_enough;

@@ -1,5 +1,6 @@
 //! The result of a selection: the candidate models that were tried, and the chosen one.
 
+use identification::fit::Fit;
 use model_core::machine::Machine;
 
 use super::candidate::{Candidate, Chosen};
@@ -45,6 +46,8 @@ impl Trial {
 pub struct Selection {
     /// The machine file's model, refitted.
     pub base: Candidate,
+    /// The same, refitted with [inflated noise](super::inflated_noise): the base parameters stay where they can be.
+    pub inflated: Fit,
     /// The chosen candidate model; the base again if nothing is accepted.
     pub chosen: Candidate,
     /// Every refitted candidate model, round by round, the best first.

@@ -166,9 +166,9 @@ impl<'a> Sensitivity<'a> {
         .collect()
     }
 
-    /// Residuals under a further force on the rod, each in one recording (its index, then N at the points of its grid), less those of the solution. In
-    /// the other recordings nothing changes: their series are empty.
-    pub fn changes_by_force(&self, forces: &[(usize, Vec<f64>)]) -> Result<Vec<Change>, MachineError> {
+    /// Residuals of one recording under a further force on the rod (the recording's index, then N at the points of its grid), less those of the
+    /// solution: one series for each of the forces.
+    pub fn changes_by_force(&self, forces: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>, MachineError> {
         let forced: Vec<Stimulus> =
             forces.iter().map(|(case, force_n)| self.cases[*case].stimulus.with_force(force_n)).collect();
         let with_starts = forces.iter().map(|&(case, _)| (self.cases[case], self.fit.starts[case]));
@@ -179,18 +179,10 @@ impl<'a> Sensitivity<'a> {
         let parts =
             parallel::try_each(runs.chunks(RUNS_AT_ONCE).zip(forces.chunks(RUNS_AT_ONCE)), |(runs, forces)| {
                 let there = simulated(&self.fit.machine, runs, |row| self.kept.has(row))?;
-                Ok::<_, MachineError>(
-                    forces.iter().zip(there).map(|((case, _), there)| self.only(*case, &there)).collect(),
-                )
+                let changes = forces.iter().zip(&there).map(|((case, _), there)| self.change_of(*case, there));
+                Ok::<_, MachineError>(changes.collect::<Vec<_>>())
             })?;
-        Ok(parts.into_iter().flat_map(|part: Vec<Change>| part).collect())
-    }
-
-    /// A change of one recording alone.
-    fn only(&self, case: usize, simulated: &[f64]) -> Change {
-        let mut change: Change = vec![Vec::new(); self.cases.len()];
-        change[case] = self.change_of(case, simulated);
-        change
+        Ok(parts.into_iter().flatten().collect())
     }
 
     /// Derivatives with respect to every coordinate times a change.

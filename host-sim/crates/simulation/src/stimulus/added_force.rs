@@ -21,26 +21,6 @@ impl Stimulus {
         with.start.load_n += force_n.first().copied().unwrap_or(0.0);
         with
     }
-
-    /// A series with one value for each row, at the grid points: linear between rows, held before the first and after the last.
-    #[must_use]
-    pub fn at_points(&self, by_row: &[f64]) -> Vec<f64> {
-        let place = |&(point, share): &(usize, f64)| point as f64 + share;
-        let mut next = 0;
-        let mut at = |point: usize| {
-            let here = point as f64;
-            while next < self.rows.len() && place(&self.rows[next]) < here {
-                next += 1;
-            }
-            let after = by_row.get(next.min(by_row.len().saturating_sub(1))).copied().unwrap_or(0.0);
-            if next == 0 || next >= by_row.len() {
-                return after;
-            }
-            let (from, to) = (place(&self.rows[next - 1]), place(&self.rows[next]));
-            by_row[next - 1] + (after - by_row[next - 1]) * (here - from) / (to - from)
-        };
-        (0..self.points()).map(&mut at).collect()
-    }
 }
 
 #[cfg(test)]
@@ -71,16 +51,5 @@ mod tests {
         };
         assert!(apart(&by_force, &by_load) < 1e-9, "{}", apart(&by_force, &by_load));
         assert!(apart(&by_force, &without) > 1e-6, "{}", apart(&by_force, &without));
-    }
-
-    #[test]
-    fn rows_are_joined_by_straight_lines() {
-        let machine = press(&[]);
-        let stimulus = stimulus(&machine);
-        let rows: Vec<f64> = (0..stimulus.rows()).map(|row| 2.0 * row as f64).collect();
-        let points = stimulus.at_points(&rows);
-        assert_eq!(points.len(), stimulus.points());
-        // A row for each tick.
-        assert!(points.iter().enumerate().all(|(point, value)| (value - 2.0 * point as f64).abs() < 1e-9));
     }
 }

@@ -275,8 +275,8 @@ impl Stimulus {
         bases: &Bases,
         read: impl Fn(fn(&Self) -> &[f64], usize, f64) -> N,
     ) -> DriveInput<N> {
-        let at = |base: f64| read(Self::entering, tick, base);
-        let next = |base: f64| read(Self::entering, tick + 1, base);
+        let at = |base: f64| read(Self::driving, tick, base);
+        let next = |base: f64| read(Self::driving, tick + 1, base);
         match &self.input {
             Input::Command(_) if self.follows => {
                 let spool = Spool { from: read(Self::spool, tick, 1.0), to: read(Self::spool, tick + 1, 1.0) };
@@ -307,11 +307,6 @@ impl Stimulus {
     /// The values that drive the model, tick by tick.
     #[must_use]
     pub fn driving(&self) -> &[f64] {
-        self.entering()
-    }
-
-    /// The series that drives the model.
-    fn entering(&self) -> &[f64] {
         match &self.input {
             Input::Command(series)
             | Input::Spool(series)

@@ -29,7 +29,14 @@ fn jumps(
     let question =
         Question { scene: &scene, base_parameters: &base_parameters, hypotheses: CATALOGUE, training: &training };
     let base = Candidate::rough(&question, None).unwrap();
-    let mut selection = Selection { chosen: base.clone(), base, rounds: Vec::new(), joined: Vec::new(), jumps: None };
+    let mut selection = Selection {
+        chosen: base.clone(),
+        inflated: base.fit.clone(),
+        base,
+        rounds: Vec::new(),
+        joined: Vec::new(),
+        jumps: None,
+    };
     selection.find_jumps(&question, &|_| ()).unwrap();
     let names = selection.chosen.names();
     let gone = selection.without_unconfirmed_jumps(&[&held_out]).unwrap().map(|effect| effect.name);
