@@ -13,6 +13,7 @@ use virtual_plant::{PlantEffect, Sensors};
 use super::installed::{installed, offsets, sensors};
 
 /// A drive and what is known of it.
+#[derive(Clone)]
 pub(super) struct Hall {
     pub(super) file: MachineFile,
     /// The machine file as text.

@@ -247,7 +247,7 @@ fn of(kept: &mut SyntheticRecording, signal: Signal) -> &mut Vec<f64> {
 }
 
 /// How much two recordings with the same noise differ, over that noise: the signal in which they differ most.
-fn shows(hall: &Hall, with: &SyntheticRecording, without: &SyntheticRecording) -> f64 {
+pub(super) fn shows(hall: &Hall, with: &SyntheticRecording, without: &SyntheticRecording) -> f64 {
     let (mut with, mut without) = (with.clone(), without.clone());
     let over_noise = |&signal: &Signal| {
         let (with, without) = (of(&mut with, signal), of(&mut without, signal));

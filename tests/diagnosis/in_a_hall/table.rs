@@ -10,6 +10,8 @@ pub(super) struct Said {
     pub(super) case: String,
     /// What is the matter with it.
     pub(super) what: &'static str,
+    /// Names that are true of it.
+    right: &'static [&'static str],
     pub(super) claims: Vec<&'static str>,
     pub(super) verdict: Verdict,
     /// Error of the worst signal of the held-out recording, over its noise, with the model that the diagnosis ends with.
@@ -17,9 +19,18 @@ pub(super) struct Said {
 }
 
 impl Said {
-    pub(super) fn of(case: String, what: &'static str, diagnosis: &Diagnosis) -> Self {
+    pub(super) fn of(case: String, what: &'static str, right: &'static [&'static str], diagnosis: &Diagnosis) -> Self {
         let claims = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
-        Self { case, what, claims, verdict: diagnosis.verdict, worst: worst(diagnosis) }
+        Self { case, what, right, claims, verdict: diagnosis.verdict, worst: worst(diagnosis) }
+    }
+
+    /// What is claimed and not true.
+    pub(super) fn falsely(&self) -> impl Iterator<Item = &'static str> {
+        self.claims.iter().copied().filter(|claim| !self.right.contains(claim))
+    }
+
+    fn found(&self) -> bool {
+        self.claims.iter().any(|claim| self.right.contains(claim))
     }
 
     pub(super) fn line(&self) -> String {
@@ -56,17 +67,18 @@ pub(super) fn table(said: &[Said]) -> String {
         }
     }
     let mut text = format!(
-        "{:<36}{:>8}{:>8}{:>9}{:>13}{:>9}{:>8}\n",
-        "what is the matter", "drives", "claims", "nothing", "unexplained", "missing", "error"
+        "{:<36}{:>8}{:>8}{:>8}{:>9}{:>13}{:>9}{:>8}\n",
+        "what is the matter", "drives", "found", "false", "nothing", "unexplained", "missing", "error"
     );
     for kind in kinds {
         let of: Vec<&Said> = said.iter().filter(|said| said.what == kind).collect();
         let ended = |verdict: Verdict| of.iter().filter(|said| said.verdict == verdict).count();
-        let claims = of.iter().filter(|said| !said.claims.is_empty()).count();
+        let found = of.iter().filter(|said| said.found()).count();
+        let falsely = of.iter().filter(|said| said.falsely().next().is_some()).count();
         let error = median(of.iter().map(|said| said.worst).collect());
         let _ = writeln!(
             text,
-            "{kind:<36}{:>8}{claims:>8}{:>9}{:>13}{:>9}{error:>8.1}",
+            "{kind:<36}{:>8}{found:>8}{falsely:>8}{:>9}{:>13}{:>9}{error:>8.1}",
             of.len(),
             ended(Verdict::NothingMissing),
             ended(Verdict::Unexplained),
@@ -75,12 +87,12 @@ pub(super) fn table(said: &[Said]) -> String {
     }
     let mut names: BTreeMap<(&str, &str), Vec<&str>> = BTreeMap::new();
     for said in said {
-        for name in &said.claims {
+        for name in said.falsely() {
             names.entry((said.what, name)).or_default().push(&said.case);
         }
     }
     for ((what, name), cases) in names {
-        let _ = writeln!(text, "{name} claimed of {what}: {}", cases.join(", "));
+        let _ = writeln!(text, "{name} falsely claimed of {what}: {}", cases.join(", "));
     }
     text
 }

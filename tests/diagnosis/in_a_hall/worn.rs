@@ -1,0 +1,202 @@
+//! Drives of which one part is worn or set beyond what a drawing allows: an effect of the catalogue beside all that every installed drive has.
+
+use model_core::machine::Parameter as P;
+use recording::Signal;
+use recording::seeded_noise::Noise;
+use virtual_plant::{
+    DryFriction, FlowEffect, FrictionLevel, GainCurve, LoadEffect, MeasuredSignal, PlantEffect, SensingEffect,
+    SyntheticRecording, ValveEffect,
+};
+
+use super::drive::Hall;
+use super::outside::shows;
+use super::recordings::{Change, Run, recorded, stays_inside};
+
+/// What is worn, by the names that are right for it: the first is its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Worn(usize);
+
+const NAMES: [&[&str]; 16] = [
+    &["internal-leakage"],
+    &["external-leakage"],
+    &["coulomb-friction", "stribeck-friction"],
+    &["stribeck-friction", "presliding"],
+    &["valve-hysteresis"],
+    &["spool-stiction"],
+    &["dead-zone-asymmetry"],
+    &["metering-asymmetry"],
+    &["flow-gain-nonlinearity"],
+    &["supply-droop"],
+    &["tank-back-pressure"],
+    &["valve-leakage"],
+    &["entrained-air"],
+    &["end-stop"],
+    &["linkage-backlash"],
+    &["sensor-offset"],
+];
+
+/// The least difference that a worn part makes to some signal, over its noise.
+const VISIBLE_FROM: f64 = 6.0;
+
+impl Worn {
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        (0..NAMES.len()).map(Self)
+    }
+
+    pub(super) const fn name(self) -> &'static str {
+        NAMES[self.0][0]
+    }
+
+    /// Names that are right for it, its own first.
+    pub(super) const fn right(self) -> &'static [&'static str] {
+        NAMES[self.0]
+    }
+
+    /// Its effect, in place of what the drive has within its drawing.
+    fn draw(self, hall: &Hall, runs: &[Run], dice: &mut Noise) -> Option<PlantEffect> {
+        let get = |parameter| hall.truth.get(parameter);
+        let (supply_pa, full_n) = (get(P::SupplyPressure), hall.full_n());
+        let open = get(P::FlowCoefficient) * (1.0 - get(P::DeadZone));
+        let (area_a, area_b) = (get(P::AreaA), get(P::AreaB));
+        let full_m3_per_s = open * area_a * (supply_pa * area_a / (area_a.powi(3) + area_b.powi(3))).sqrt();
+        let rubs = |level, sliding_n: f64, dice: &mut Noise| {
+            let give_m = dice.decades(1e-5, 5e-5);
+            let bristles_n_s_per_m = dice.decades(0.05, 0.3) * (sliding_n / give_m * get(P::MovingMass)).sqrt();
+            PlantEffect::Friction(DryFriction::giving(level, give_m, bristles_n_s_per_m))
+        };
+        let leak = |share: f64| share * full_m3_per_s / supply_pa;
+        Some(match self.name() {
+            "internal-leakage" => PlantEffect::InternalLeakage {
+                conductance_m3_per_s_pa: leak(dice.decades(0.01, 0.1)),
+                turbulent_share: dice.uniform(0.0, 0.4),
+                transition_pa: 3e6,
+            },
+            "external-leakage" => {
+                let conductance = leak(dice.decades(0.01, 0.1));
+                PlantEffect::external_leakage(if dice.happens(0.5) { [conductance, 0.0] } else { [0.0, conductance] })
+            }
+            "coulomb-friction" => {
+                let sliding_n = full_n * dice.uniform(0.05, 0.12);
+                let level = FrictionLevel::Stribeck {
+                    sliding_n,
+                    break_away_n: sliding_n * dice.uniform(1.0, 1.15),
+                    velocity_m_per_s: dice.uniform(5e-3, 0.015),
+                };
+                rubs(level, sliding_n, dice)
+            }
+            "stribeck-friction" => {
+                let sliding_n = full_n * dice.uniform(0.03, 0.06);
+                let level = FrictionLevel::Stribeck {
+                    sliding_n,
+                    break_away_n: sliding_n * dice.uniform(1.8, 3.0),
+                    velocity_m_per_s: dice.uniform(5e-3, 0.02),
+                };
+                rubs(level, sliding_n, dice)
+            }
+            "valve-hysteresis" => PlantEffect::Valve(ValveEffect::WeightedPlays { width: dice.decades(0.015, 0.05) }),
+            "spool-stiction" => PlantEffect::Valve(ValveEffect::Stiction {
+                break_away: dice.decades(0.01, 0.03),
+                kinetic_share: dice.uniform(0.05, 0.3),
+                jump_s: 0.0,
+            }),
+            "dead-zone-asymmetry" => {
+                let more = dice.decades(0.02, 0.07);
+                let [extending, retracting] = if dice.happens(0.5) { [more, 0.0] } else { [0.0, more] };
+                PlantEffect::Flow(FlowEffect::DeadZone { extending, retracting })
+            }
+            "metering-asymmetry" => {
+                let other = 1.0 + dice.sign() * dice.decades(0.15, 0.35);
+                let mut near = || dice.uniform(0.98, 1.02);
+                let sizes = [near(), other * near(), near(), other * near()];
+                PlantEffect::Flow(FlowEffect::Metering { sizes })
+            }
+            "flow-gain-nonlinearity" => PlantEffect::Flow(FlowEffect::Gain(GainCurve::Power {
+                exponent: 1.0 + dice.decades(0.12, 0.4),
+                unchanged_at: dice.uniform(0.2, 0.4),
+            })),
+            "supply-droop" => {
+                let droop = dice.decades(0.06, 0.2) * supply_pa / full_m3_per_s;
+                PlantEffect::Flow(FlowEffect::SupplyDroop {
+                    resistance_pa_s_per_m3: droop,
+                    gas_volume_m3: dice.decades(5e-5, 3e-4),
+                    line_pa_s2_per_m6: 0.1 * droop / full_m3_per_s,
+                })
+            }
+            "tank-back-pressure" => PlantEffect::Flow(FlowEffect::BackPressure {
+                linear_pa_s_per_m3: dice.uniform(0.0, 1e5) / full_m3_per_s,
+                quadratic_pa_s2_per_m6: dice.decades(5e5, 2e6) / full_m3_per_s.powi(2),
+            }),
+            "valve-leakage" => PlantEffect::Flow(FlowEffect::Leakage {
+                opening: dice.decades(0.015, 0.04),
+                reach: get(P::DeadZone).max(0.01) * dice.uniform(0.6, 1.2),
+                laminar_pa: dice.decades(1e5, 1e6),
+            }),
+            "entrained-air" => PlantEffect::entrained_air(dice.decades(0.015, 0.05)),
+            "end-stop" => PlantEffect::Load(stop(hall, runs, dice)?),
+            "linkage-backlash" => {
+                PlantEffect::Sensing(SensingEffect::Backlash { play_m: get(P::Stroke) * dice.decades(7e-4, 3e-3) })
+            }
+            _ => {
+                let measured: Vec<_> = hall.signals.iter().filter_map(|&signal| channel(signal)).collect();
+                let channel = *measured.get(dice.below(measured.len().max(1)))?;
+                let scale = if channel == MeasuredSignal::Spool { 1.0 } else { hall.sensors.pressure.range_pa };
+                let offset = scale * dice.sign() * dice.decades(0.015, 0.05);
+                PlantEffect::Sensing(SensingEffect::Offset { channel, offset })
+            }
+        })
+    }
+}
+
+/// A stop within reach of the rod.
+fn stop(hall: &Hall, runs: &[Run], dice: &mut Noise) -> Option<LoadEffect> {
+    let (mut low, mut high) = (f64::MAX, f64::MIN);
+    for run in runs {
+        for state in &run.whole(hall, &Change::default())?.truth {
+            (low, high) = (low.min(state.position_m), high.max(state.position_m));
+        }
+    }
+    let (extending, inside) = (dice.happens(0.5), (high - low) * dice.uniform(0.08, 0.2));
+    Some(LoadEffect::EndStop {
+        at_m: if extending { high - inside } else { low + inside },
+        extending,
+        stiffness: dice.decades(1e7, 3e8) / (1.5 * 0.01),
+        damping_s_per_m: dice.uniform(0.5, 4.0),
+    })
+}
+
+/// A channel whose offset is no choice of where the rod is counted from.
+fn channel(signal: Signal) -> Option<MeasuredSignal> {
+    match signal {
+        Signal::Spool => Some(MeasuredSignal::Spool),
+        Signal::PressureA => Some(MeasuredSignal::PressureA),
+        Signal::PressureB => Some(MeasuredSignal::PressureB),
+        _ => None,
+    }
+}
+
+/// What one drawn effect takes the place of; a sensor's fault comes on top.
+fn replaces(worn: PlantEffect, usual: &PlantEffect) -> bool {
+    let friction = |effect: &PlantEffect| matches!(effect, PlantEffect::Friction(_));
+    !matches!(worn, PlantEffect::Sensing(_)) && (worn.name() == usual.name() || friction(&worn) && friction(usual))
+}
+
+/// The recordings of a drive of which this is worn, and what it has then; none where it does not show, or the rod leaves its stroke.
+pub(super) fn made(hall: &mut Hall, worn: Worn, runs: &[Run], dice: &mut Noise) -> Option<Vec<SyntheticRecording>> {
+    let effect = worn.draw(hall, runs, dice)?;
+    let usual = hall.clone();
+    hall.effects.retain(|kept| !replaces(effect, kept));
+    hall.effects.push(effect);
+    let mut most = 0.0_f64;
+    let mut kept = Vec::new();
+    for run in runs {
+        let with = run.whole(hall, &Change::default())?;
+        if !stays_inside(hall, &with) {
+            return None;
+        }
+        let without = run.commanded(with.command_v.clone()).whole(&usual, &Change::default())?;
+        let with = recorded(hall, run, &with);
+        most = most.max(shows(hall, &with, &recorded(hall, run, &without)));
+        kept.push(with);
+    }
+    (most > VISIBLE_FROM).then_some(kept)
+}
