@@ -100,12 +100,12 @@ impl Worn {
                 jump_s: 0.0,
             }),
             "dead-zone-asymmetry" => {
-                let more = dice.decades(0.02, 0.07);
+                let more = dice.decades(0.045, 0.09);
                 let [extending, retracting] = if dice.happens(0.5) { [more, 0.0] } else { [0.0, more] };
                 PlantEffect::Flow(FlowEffect::DeadZone { extending, retracting })
             }
             "metering-asymmetry" => {
-                let other = 1.0 + dice.sign() * dice.decades(0.15, 0.35);
+                let other = 1.0 + dice.sign() * dice.decades(0.18, 0.35);
                 let mut near = || dice.uniform(0.98, 1.02);
                 let sizes = [near(), other * near(), near(), other * near()];
                 PlantEffect::Flow(FlowEffect::Metering { sizes })

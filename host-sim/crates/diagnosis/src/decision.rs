@@ -6,6 +6,7 @@ use model_core::machine::Parameter;
 
 use crate::catalogue::Hypothesis;
 use crate::finding::{Finding, finding};
+use crate::selection::veto::stands_on_own_sides;
 use crate::selection::{Candidate, Confirmation, Question, Selection, confirm};
 
 /// What is accepted.
@@ -47,7 +48,9 @@ pub(crate) fn decide(
         return Decision::without(question, selection, vetoed, None);
     }
     let confirmation = confirm(&selection.base, chosen, question.training, held)?;
-    if !held.is_empty() && !confirmation.confirms() {
+    let confirms =
+        || Ok::<_, FitError>(confirmation.confirms() || stands_on_own_sides(question, selection, &confirmation, held)?);
+    if !held.is_empty() && !confirms()? {
         vetoed.extend(chosen.effects.iter().map(|chosen| chosen.effect));
         return Decision::without(question, selection, vetoed, Some(confirmation));
     }

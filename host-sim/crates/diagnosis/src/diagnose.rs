@@ -8,13 +8,14 @@ use std::mem;
 
 use identification::compare::CompareError;
 use identification::experiment::{JudgedSignal, Prepared};
-use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest};
+use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, settle};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
 use simulation::signal::noise::extent;
 use simulation::simulate_f64;
 
+use crate::agreement::far_values;
 use crate::asked::Asked;
 use crate::before_after::show_all;
 use crate::catalogue::{CATALOGUE, Hypothesis, Scene, Subsystem};
@@ -25,7 +26,7 @@ use crate::localisation::locate::locate;
 use crate::localisation::{Case, Location, Miss, Sought, misses};
 use crate::outcome::{Diagnosis, Verdict};
 use crate::selection::candidate::Reference;
-use crate::selection::decision_rule::{BELOW_VACUUM_PA, NEAR_TANK_PA};
+use crate::selection::decision_rule::{BELOW_VACUUM_PA, HELD_OUT_MAY_MISS, NEAR_TANK_PA};
 use crate::selection::excerpt::Excerpt;
 use crate::selection::screen::Lead;
 use crate::selection::{Candidate, Question};
@@ -111,15 +112,7 @@ pub fn diagnose(
     let machine = valve.as_ref().map_or(&file.machine, |valve| &valve.machine);
     let base_parameters = valve.as_ref().map_or(free.as_slice(), |valve| &valve.free);
     let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
-    let scene = Scene {
-        machine,
-        input_point: first.stimulus.input_point,
-        load: file.load_source,
-        judged: &judged,
-        travel_m: travelled(machine, &trained),
-        duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
-        lowest_pa: lowest_pressure(machine, &trained)?,
-    };
+    let scene = scene(file, machine, &judged, &trained)?;
     let (hypotheses, not_testable): (Vec<_>, Vec<_>) = CATALOGUE
         .iter()
         .copied()
@@ -144,9 +137,12 @@ pub fn diagnose(
     let Decision { findings, not_confirmed, confirmation, after, estimates } =
         decide(&asked.of(&references), &mut selection, &opened)?;
     // Where and how the misfit looks is told of the model without a force from outside.
-    let plain_base = plain.as_ref().map_or(&selection.base, |plain| &plain.base);
-    let without: Vec<&Prepared> = plain.as_ref().map_or(&trained, |plain| &plain.trained).iter().collect();
-    let verdict = verdict(&findings, plain_base.misses_by_more_than_noise(&asked.of(&without)));
+    let (plain_base, without, held_without) = plain.as_ref().map_or_else(
+        || (&selection.base, references.clone(), opened.clone()),
+        |plain| (&plain.base, plain.trained.iter().collect(), plain.held.iter().collect()),
+    );
+    let is_impossible = far_values(&free, &estimates).iter().any(|far| far.is_impossible);
+    let verdict = verdict(&findings, is_impossible, plain_base, (&asked.of(&without), &held_without))?;
     // Where and how it looks is told by what was searched.
     let (recordings, searched) = match &excerpt {
         Some(excerpt) => (excerpt.recordings.as_slice(), excerpt.cases.iter().collect()),
@@ -178,7 +174,8 @@ pub fn diagnose(
         Some((tabled, unnamed)) => (tabled.estimates(&question)?, tabled, Some(unnamed)),
         None => (estimates, after, None),
     };
-    let left = above_noise_by(&after, &references)?;
+    let left = above_noise(misses(&after.fit.machine, started(&after, &references))?);
+    let left_held_out = above_noise(missed_in(&after.fit.machine, &opened)?);
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
     let plain: Vec<&Prepared> = plain.iter().flat_map(|plain| plain.trained.iter().chain(&plain.held)).collect();
     let shown = show_all(trained, held, &plain, &plain_base.fit, &after.fit)?;
@@ -192,6 +189,7 @@ pub fn diagnose(
         findings,
         outside,
         left,
+        left_held_out,
         not_confirmed,
         unnamed,
         confirmation,
@@ -203,6 +201,25 @@ pub fn diagnose(
         level_at_rest,
         not_testable,
         selection,
+    })
+}
+
+/// What is known of a drive beforehand, and what these recordings say of where it works.
+fn scene<'a>(
+    file: &MachineFile,
+    machine: &'a Machine<f64>,
+    judged: &'a [Signal],
+    trained: &[Prepared],
+) -> Result<Scene<'a>, DiagnoseError> {
+    let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
+    Ok(Scene {
+        machine,
+        input_point: first.stimulus.input_point,
+        load: file.load_source,
+        judged,
+        travel_m: travelled(machine, trained),
+        duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
+        lowest_pa: lowest_pressure(machine, trained)?,
     })
 }
 
@@ -229,13 +246,20 @@ fn place(
     Ok(locate(&Sought { machine, load, cases, named, predicted_gains: &predicted_gains })?)
 }
 
-/// How it ended: by what was found, and whether the base model misses more than noise.
-fn verdict(findings: &[Finding], misses: bool) -> Verdict {
-    match (findings, misses) {
-        ([_, ..], _) => Verdict::MissingPhysics,
-        ([], true) => Verdict::Unexplained,
-        ([], false) => Verdict::NothingMissing,
+/// How it ended: by what was found, and whether the base model misses more than noise, or follows only with a value that no such drive has.
+fn verdict(
+    findings: &[Finding],
+    is_impossible: bool,
+    base: &Candidate,
+    (question, held_out): (&Question<'_>, &[&Prepared]),
+) -> Result<Verdict, MachineError> {
+    if !findings.is_empty() {
+        return Ok(Verdict::MissingPhysics);
     }
+    let least = question.unexplained_from();
+    let off = missed_in(&base.fit.machine, held_out)?.iter().map(|miss| miss.over_noise).fold(0.0, f64::max);
+    let misses = base.worst_over_noise(question) > least || off > HELD_OUT_MAY_MISS * least;
+    Ok(if misses || is_impossible { Verdict::Unexplained } else { Verdict::NothingMissing })
 }
 
 /// The estimates of base parameters, in their order.
@@ -245,11 +269,22 @@ fn of_base(free: &[Free], estimates: impl Iterator<Item = Estimate>) -> Vec<Esti
     free.iter().filter_map(of).collect()
 }
 
-/// Signals that a candidate model still misses by more than noise.
-fn above_noise_by(candidate: &Candidate, training: &[&Prepared]) -> Result<Vec<Miss>, MachineError> {
-    let mut left = misses(&candidate.fit.machine, training.iter().copied().zip(candidate.fit.starts.iter().copied()))?;
-    left.retain(Miss::is_above_noise);
-    Ok(left)
+/// Training recordings, each from where a candidate model starts it.
+fn started<'a>(candidate: &Candidate, training: &[&'a Prepared]) -> Vec<(&'a Prepared, StartState)> {
+    training.iter().copied().zip(candidate.fit.starts.iter().copied()).collect()
+}
+
+/// Signals that are missed by more than noise.
+fn above_noise(mut misses: Vec<Miss>) -> Vec<Miss> {
+    misses.retain(Miss::is_above_noise);
+    misses
+}
+
+/// How far each signal of held-out recordings is off, each from the start that fits it best.
+fn missed_in(machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<Vec<Miss>, MachineError> {
+    let started: Vec<(&Prepared, StartState)> =
+        held_out.iter().map(|&case| Ok((case, settle(machine, case)?))).collect::<Result<_, MachineError>>()?;
+    misses(machine, started)
 }
 
 /// Recordings with how they were prepared and where each starts.

@@ -47,6 +47,8 @@ pub struct Diagnosis {
     pub outside: Option<Outside>,
     /// Signals whose misfit on the training recordings is still above the noise with the accepted effects.
     pub left: Vec<Miss>,
+    /// The same on the held-out recordings.
+    pub left_held_out: Vec<Miss>,
     /// Effects that training recordings chose and held-out ones did not confirm.
     pub not_confirmed: Vec<&'static Hypothesis>,
     /// A correction table for what no effect explains, where the model with it follows the held-out recordings better. Never a finding.

@@ -143,6 +143,15 @@ impl EffectParameter {
     }
 }
 
+impl EffectParameter {
+    /// The least usual value of a time whose usual range depends on the length of the recordings; none of any other parameter.
+    pub(crate) fn slow_from(&self, scene: &Scene<'_>) -> Option<f64> {
+        let Kind::Shape(range, _) = self.kind else { return None };
+        let short = Scene { duration_s: 0.0, ..scene.clone() };
+        (range(scene) != range(&short)).then_some(range(scene).0)
+    }
+}
+
 /// The bristles through which every law of dry friction acts before the rod slides: about as stiff as the oil columns, or stiffer. Bristles
 /// softer than about a third of the oil columns are the effect presliding; all dry friction has stiffer ones. Each law has a rigid form
 /// and one with bristles, because recordings without pressures hardly show the bristles.
@@ -214,11 +223,7 @@ impl Hypothesis {
     /// of a long recording does not show it.
     #[must_use]
     pub fn is_slow(&self, scene: &Scene<'_>) -> bool {
-        let short = Scene { duration_s: 0.0, ..scene.clone() };
-        self.effect_parameters().any(|effect_parameter| match effect_parameter.kind {
-            Kind::Shape(range, _) => range(scene) != range(&short),
-            _ => false,
-        })
+        self.effect_parameters().any(|effect_parameter| effect_parameter.slow_from(scene).is_some())
     }
 
     /// All its forms, refined ones included.

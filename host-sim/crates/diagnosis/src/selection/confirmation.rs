@@ -8,7 +8,8 @@ use recording::Signal;
 
 use super::candidate::Candidate;
 use super::decision_rule::{
-    FIT_ABOVE_PERCENT, MOSTLY_NOISE_PERCENT, ONE_GAINS_OF, PROMISE_KEPT, SIGNAL_MAY_LOSE, SIGNAL_MAY_LOSE_SHARE,
+    FIT_ABOVE_PERCENT, MISSED_FROM, MOSTLY_NOISE_PERCENT, ONE_GAINS_OF, PROMISE_KEPT, SIGNAL_MAY_LOSE,
+    SIGNAL_MAY_LOSE_SHARE,
 };
 use super::likelihood::gained;
 
@@ -17,8 +18,10 @@ use super::likelihood::gained;
 pub struct Confirmation {
     /// Log-likelihood gained over the base on all held-out recordings.
     pub gain: f64,
-    /// The signal that gained least, over all held-out recordings.
+    /// Of the signals that the model misses with the effects, the one that gained least, over all held-out recordings; infinite where it misses none.
     pub least_gain: f64,
+    /// RMSE over noise of the signal that it misses most with the effects.
+    pub worst: f64,
     /// Lowest NRMSE fit of a signal with the effects, %.
     pub least_fit_percent: f64,
     /// Number of held-out recordings on which it gained.
@@ -32,7 +35,7 @@ pub struct Confirmation {
 }
 
 impl Confirmation {
-    /// Whether they gain by it: in all and on at least half of the recordings, and no signal is clearly worse.
+    /// Whether they gain by it: in all and on at least half of the recordings, and no signal that is missed then is clearly worse.
     #[must_use]
     pub fn gains(&self) -> bool {
         self.gains_in_all() && self.least_gain > -SIGNAL_MAY_LOSE.max(SIGNAL_MAY_LOSE_SHARE * self.gain)
@@ -121,15 +124,20 @@ pub fn confirm(
         }
         improved += usize::from(total > 0.0);
     }
-    let left = |missed: &Residuals| squares(&misfits_of(held_out.iter().copied(), missed));
+    let left = |missed: &Residuals| misfits_of(held_out.iter().copied(), missed);
+    let (left_without, left_with) = (left(&missed_without), left(&missed_with));
+    let off = |misfit: &Misfit| misfit.mean_square().sqrt();
+    let is_missed = |signal| left_with.iter().any(|misfit| misfit.signal == signal && off(misfit) > MISSED_FROM);
+    let gains_of_missed = signals.iter().filter(|(signal, _)| is_missed(*signal)).map(|(_, gain)| *gain);
     Ok(Confirmation {
         gain: signals.iter().map(|(_, gain)| gain).sum(),
-        least_gain: signals.iter().map(|(_, gain)| *gain).fold(f64::INFINITY, f64::min),
+        least_gain: gains_of_missed.fold(f64::INFINITY, f64::min),
+        worst: left_with.iter().map(off).fold(0.0, f64::max),
         least_fit_percent,
         improved,
         recordings: held_out.len(),
         promised: promised(without, with, training)?,
-        kept: fall(&left(&missed_without), &left(&missed_with)),
+        kept: fall(&squares(&left_without), &squares(&left_with)),
     })
 }
 
@@ -143,6 +151,7 @@ mod tests {
         Confirmation {
             gain: 50.0,
             least_gain: 50.0,
+            worst: 5.0,
             least_fit_percent: 90.0,
             improved: 1,
             recordings: 2,

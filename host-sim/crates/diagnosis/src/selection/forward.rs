@@ -172,7 +172,8 @@ impl Course {
         }
         let Some(best) = self.beam.first().filter(|best| best.effects.len() > 1).cloned() else { return Ok(None) };
         for index in 0..best.effects.len() {
-            if let Some(accepted) = self.accepted(question, &over, best.without(question, index)?)? {
+            let fewer = self.plainest(question, best.without(question, index)?)?;
+            if let Some(accepted) = self.accepted(question, &over, fewer)? {
                 enter(question, &over, &mut self.rounds, &accepted);
                 return Ok(Some(accepted));
             }
@@ -194,12 +195,21 @@ impl Course {
         let effects = candidate.effects.len();
         let Some(rest) = reduced(question, &self.base, candidate, &self.joined)? else { return Ok(None) };
         if rest.effects.len() < effects {
+            let rest = self.plainest(question, rest)?;
             if !self.is_likely(question, over, &rest) || !self.stands(question, &rest)? {
                 return Ok(None);
             }
             enter(question, over, &mut self.rounds, &rest);
+            return Ok(Some(rest));
         }
         Ok(Some(rest))
+    }
+
+    /// A candidate model that lost effects, or the one with the plainer effect in the place of an extension that no longer earns its place.
+    fn plainest(&self, question: &Question<'_>, rest: Candidate) -> Result<Candidate, FitError> {
+        let extends = rest.effects.last().is_some_and(|newest| newest.effect.extends.is_some());
+        let first = if extends { finished(question, &self.base, vec![rest.clone()])?.into_iter().next() } else { None };
+        Ok(first.map_or(rest, |(first, _)| first))
     }
 
     /// Whether no other candidate model of as many effects is likelier by more than chance. One that cannot be accepted may still be the true one, so

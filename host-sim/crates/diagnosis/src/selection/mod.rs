@@ -17,7 +17,7 @@ mod round;
 pub mod screen;
 mod search;
 mod valve;
-mod veto;
+pub(crate) mod veto;
 
 pub use candidate::{Candidate, Chosen, Question};
 pub use confirmation::{Confirmation, confirm};

@@ -7,7 +7,7 @@ use model_core::machine::{Machine, MachineError};
 use recording::Signal;
 
 use super::candidate::Question;
-use super::confirmation::{add, confirm};
+use super::confirmation::{Confirmation, add, confirm};
 use super::decision_rule::{OWN_SIDE_FROM, WORSE_BY_EQUATIONS};
 use super::likelihood::{above_noise, accepts};
 use super::outcome::Selection;
@@ -65,6 +65,25 @@ impl Selection {
         }
         Ok(refused)
     }
+}
+
+/// Whether held-out recordings gain by each effect of a choice on its own side of the recorded spool, where the whole model with them is far off: what
+/// one side misses of them by another cause hides what they take away on the other.
+pub(crate) fn stands_on_own_sides(
+    question: &Question<'_>,
+    selection: &Selection,
+    told: &Confirmation,
+    held_out: &[&Prepared],
+) -> Result<bool, FitError> {
+    if told.worst <= OWN_SIDE_FROM || !told.gains_in_all() {
+        return Ok(false);
+    }
+    for one in &selection.chosen.effects {
+        if !gains_on_own_side(question, &selection.chosen, one.effect, held_out)? {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// Misfit above noise of a machine on held-out recordings, by signal.

@@ -5,10 +5,9 @@ use serde_json::{Value, json};
 use diagnosis::agreement::{Change, Doubt, Tolerated};
 use diagnosis::catalogue::short_name;
 use diagnosis::correction_table::{Axis, Unnamed};
-use diagnosis::localisation::Habit;
 use diagnosis::localisation::error_shape::Shape;
+use diagnosis::localisation::{Habit, Miss};
 use diagnosis::outside::{Cause, Outside, Push};
-use diagnosis::selection::Confirmation;
 use diagnosis::{Diagnosis, Finding};
 
 use super::evidence;
@@ -63,16 +62,15 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "findings": diagnosis.findings.iter().map(|finding| finding_of(diagnosis, exhibits, finding)).collect::<Vec<_>>(),
         "outside": diagnosis.outside.as_ref().map(outside),
         "unnamed": diagnosis.unnamed.as_ref().map(unnamed),
-        "confirmed": diagnosis.confirmation.as_ref().map(Confirmation::confirms),
+        "confirmed": diagnosis.confirmation.map(|_| !diagnosis.findings.is_empty()),
         "confirmation": diagnosis.confirmation.as_ref().map(|confirmation| json!({
             "improved": confirmation.improved,
             "recordings": confirmation.recordings,
             "promised": digits(confirmation.promised, 4),
             "kept": digits(confirmation.kept, 4),
         })),
-        "still_above_noise": diagnosis.left.iter().map(|miss| {
-            json!({ "signal": miss.signal.name(), "rmse_over_noise": digits(miss.over_noise, 3) })
-        }).collect::<Vec<_>>(),
+        "still_above_noise": still_above_noise(&diagnosis.left),
+        "still_above_noise_held_out": still_above_noise(&diagnosis.left_held_out),
         "not_confirmed": diagnosis.not_confirmed.iter().map(|effect| effect.name).collect::<Vec<_>>(),
         "not_testable": diagnosis.not_testable.iter().map(|effect| effect.name).collect::<Vec<_>>(),
         "parameters": diagnosis.refitted.iter().map(|estimate| {
@@ -101,6 +99,14 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
 }
 
 /// A cause outside the drive.
+/// Signals that are missed, and by how much.
+fn still_above_noise(misses: &[Miss]) -> Vec<Value> {
+    misses
+        .iter()
+        .map(|miss| json!({ "signal": miss.signal.name(), "rmse_over_noise": digits(miss.over_noise, 3) }))
+        .collect()
+}
+
 fn outside(outside: &Outside) -> Value {
     let each = |key: &'static str| move |(recording, newtons): &(String, f64)| json!({ "recording": recording, key: digits(*newtons, 5) });
     let mut told = match &outside.cause {

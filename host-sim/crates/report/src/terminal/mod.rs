@@ -177,23 +177,43 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
                     left.signal,
                     significant(left.over_noise, 2)
                 ),
-                None => format!("{name}: missing physics: {effects}; {confirmed}{outside}"),
+                None => format!("{name}: missing physics: {effects}; {confirmed}{}{outside}", held_out(diagnosis)),
             }
         }
         Verdict::NothingMissing => {
             let noise = if diagnosis.left.is_empty() { "their noise" } else { "twice their noise" };
-            format!("{name}: nothing missing: the refitted model follows the recordings within {noise}")
+            format!(
+                "{name}: nothing missing: the refitted model follows the recordings within {noise}{}",
+                held_out(diagnosis)
+            )
         }
         Verdict::Unexplained if let Some(outside) = &diagnosis.outside => format!(
             "{name}: unexplained by the drive itself; probable cause outside it: {}; no effect of the catalogue explains as much",
             wording::outside_kind(&outside.cause)
         ),
         Verdict::Unexplained => {
-            format!(
-                "{name}: unexplained: there is a misfit above the noise, and no effect of the catalogue explains it"
-            )
+            format!("{name}: unexplained: {}, and no effect of the catalogue explains it", unexplained(diagnosis))
         }
     }
+}
+
+/// What is unexplained.
+fn unexplained(diagnosis: &Diagnosis) -> String {
+    if !diagnosis.left.is_empty() {
+        return "there is a misfit above the noise".to_owned();
+    }
+    let far = diagnosis.far_values();
+    if let Some(far) = far.iter().find(|far| far.is_impossible) {
+        return format!("the model follows the recordings only with {}", wording::moved(far));
+    }
+    format!("the model follows the recordings that it was fitted to, but not others{}", held_out(diagnosis))
+}
+
+/// How far the model is off in recordings that it was not fitted to, where that is more than noise.
+fn held_out(diagnosis: &Diagnosis) -> String {
+    worst(&diagnosis.left_held_out).map_or_else(String::new, |left| {
+        format!("; held out, {} is off by {} times its noise", left.signal, significant(left.over_noise, 2))
+    })
 }
 
 /// The signal that is furthest off.

@@ -23,7 +23,7 @@ pub fn far_value(far: &FarValue) -> String {
 }
 
 /// A value, with the machine file's.
-pub(super) fn moved(far: &FarValue) -> String {
+pub(crate) fn moved(far: &FarValue) -> String {
     let description = far.parameter.description();
     let unit = if description.unit == "1" { String::new() } else { format!(" {}", description.unit) };
     let verdict = match far.parameter {

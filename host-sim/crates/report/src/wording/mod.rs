@@ -13,6 +13,7 @@ mod unit;
 
 pub use comparison::{obstacle, unjudged};
 pub use doubt::doubt;
+pub(crate) use far_value::moved;
 pub use far_value::{far_value, far_values};
 pub use finding::{advice, correction_table, correlation, jumps};
 pub use location::{error_shape, region, spool_habit};

@@ -41,6 +41,11 @@ impl Question<'_> {
         self.base_parameters.iter().any(|free| free.tolerance().is_some())
     }
 
+    /// Times its noise from which a model that no accepted effect mends is unexplained.
+    pub(crate) fn unexplained_from(&self) -> f64 {
+        if self.has_tolerances() { UNEXPLAINED_BY_SHEET_FROM } else { UNEXPLAINED_FROM }
+    }
+
     /// How the independent samples of its residuals are counted.
     pub(crate) fn counts(&self) -> Counts {
         counts_from(self.scene.input_point)
@@ -304,8 +309,7 @@ impl Candidate {
 
     /// Whether its worst channel is off by more than what counts as its noise.
     pub(crate) fn misses_by_more_than_noise(&self, question: &Question<'_>) -> bool {
-        let least = if question.has_tolerances() { UNEXPLAINED_BY_SHEET_FROM } else { UNEXPLAINED_FROM };
-        self.worst_over_noise(question) > least
+        self.worst_over_noise(question) > question.unexplained_from()
     }
 
     /// RMSE over noise of the worst channel.

@@ -82,14 +82,16 @@ impl Candidate {
     }
 
     /// Whether it may be accepted: it is possible, and amounts that are never small on a real drive are large enough. A stop as soft as a spring is
-    /// no stop, a stiction that only shapes a play is no stiction, and what stays within its tolerance is no finding. They are ranked all the same,
-    /// since nothing less likely may be accepted in their place.
+    /// no stop, a stiction that only shapes a play is no stiction, a drift that is over sooner than any drift is another transient, and what stays
+    /// within its tolerance is no finding. They are ranked all the same, since nothing less likely may be accepted in their place.
     #[must_use]
     pub fn is_plausible(&self, question: &Question<'_>) -> bool {
         let scene = question.scene;
         let firm = |effect_parameter: &EffectParameter| match effect_parameter.kind {
             Kind::Firm(_) => self.coordinate(scene, effect_parameter) > FIRM_FROM,
-            _ => true,
+            _ => effect_parameter
+                .slow_from(scene)
+                .is_none_or(|least| self.fit.machine.get(effect_parameter.parameter) > least),
         };
         self.is_possible(scene)
             && !self.shapes_a_play()
