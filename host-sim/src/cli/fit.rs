@@ -123,7 +123,10 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         )?;
     }
     if !fitted.converged {
-        console.note("the search did not converge; these are the best values found");
+        let moving = fitted
+            .unsettled(inflation)
+            .map_or_else(String::new, |moving| format!(": {}", wording::still_moving(&moving)));
+        console.note(format!("the search did not converge; these are the best values found{moving}"));
     }
     Ok(Outcome::Done)
 }

@@ -190,6 +190,7 @@ pub fn diagnose(
         outside,
         left,
         left_held_out,
+        unsettled: after.unsettled(),
         not_confirmed,
         unnamed,
         confirmation,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use identification::experiment::Prepared;
-use identification::fit::{Correlation, Estimate, Free};
+use identification::fit::{Correlation, Estimate, Free, Unsettled};
 use model_core::machine::Machine;
 use recording::Signal;
 use simulation::Trajectory;
@@ -49,6 +49,8 @@ pub struct Diagnosis {
     pub left: Vec<Miss>,
     /// The same on the held-out recordings.
     pub left_held_out: Vec<Miss>,
+    /// The value that was still moving where the refit with the accepted effects ended, if it did not converge.
+    pub unsettled: Option<Unsettled>,
     /// Effects that training recordings chose and held-out ones did not confirm.
     pub not_confirmed: Vec<&'static Hypothesis>,
     /// A correction table for what no effect explains, where the model with it follows the held-out recordings better. Never a finding.

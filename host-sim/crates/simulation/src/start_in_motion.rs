@@ -1,7 +1,8 @@
 //! Whether a recording begins at rest, and what it shows of the motion where it does not.
 //!
 //! What moves before a command of the recording can have an effect was moved by what came before the recording. So does the spool (or, where no
-//! spool is measured, the rod) that changes its motion while the command keeps its first value, for a settled valve would not move it.
+//! spool is measured, the rod) that changes its motion while the command keeps its first value, for a settled valve would not move it. And a rod that
+//! rests under a command that would move it, and is moved only later, had its command given with the first row.
 
 use model_core::machine::{Machine, Parameter, Source};
 use recording::{Recording, Signal};
@@ -88,7 +89,9 @@ impl Motion {
         let by_valve = machine.source == Source::Valve && recording.has(Signal::Command);
         let spool = recording.signal(Signal::Spool).filter(|_| by_valve);
         let shown = spool.and_then(|spool| beginning.spool(spool));
-        let rod_changes = by_valve && spool.is_none() && beginning.rod_changes();
+        let unseen = by_valve && spool.is_none();
+        let shown = shown.or_else(|| if unseen { beginning.unseen_spool() } else { None });
+        let rod_changes = unseen && (shown.is_some() || beginning.rod_changes());
         motion.is_changing = shown.is_some() || rod_changes;
         if input_point == InputPoint::Command {
             motion.spool = shown;
@@ -153,6 +156,30 @@ impl<'a> Beginning<'a> {
                 slope_per_s,
                 rests: slope_per_s == 0.0,
             }
+        })
+    }
+
+    /// A spool that no sensor shows, where the rod rests under a command that would move it and only then is moved: the command was given with the
+    /// first row, or so shortly before that oil has not moved the rod yet. It rests where no command holds it.
+    fn unseen_spool(&self) -> Option<SpoolAtStart> {
+        let get = |parameter| self.machine.get(parameter);
+        let (command, position) = (self.recording.signal(Signal::Command)?, self.recording.signal(Signal::Position)?);
+        let settled = self.time_s.partition_point(|time| time - self.time_s[0] <= self.settling_s);
+        if settled < LEAST_ROWS.max(self.first_rows + 1) {
+            return None;
+        }
+        let opens = NOMINAL_OFFSET + (1.0 + NOMINAL_GAIN) * get(Parameter::DeadZone);
+        let (low, high) = extent(&command[..settled]);
+        let is_open = get(Parameter::ValveGain) * low > opens || get(Parameter::ValveGain) * high < -opens;
+        let noise = noise_of(position);
+        let first = Line::through(&self.time_s[..self.first_rows], &position[..self.first_rows], noise);
+        let (lowest, highest) = extent(&position[..settled]);
+        let then_moves = highest - lowest > 2.0 * BEYOND_NOISE * noise;
+        let rests = !self.shows(first.clear_slope(), noise);
+        (is_open && rests && then_moves).then_some(SpoolAtStart {
+            reading: get(Parameter::ValveOffset),
+            slope_per_s: 0.0,
+            rests: true,
         })
     }
 
@@ -353,7 +380,10 @@ mod tests {
         for sensors in [&ALL[1..], &ALL[3..]] {
             for (from, command) in [(100, step as fn(u32) -> f64), (130, step), (715, step), (457, wave)] {
                 let start = start(&cut(from, command, sensors));
-                assert!(start.spool.is_none() && start.unknown_for_s > 0.2, "{from}: {start:?}");
+                assert!(start.unknown_for_s > 0.2, "{from}: {start:?}");
+                // With the step, and 30 ms later, the rod still rests: the spool has not opened yet.
+                let spool = start.spool.map(|spool| (spool.rests, spool.reading, start.velocity_m_per_s));
+                assert_eq!(spool, (from <= 130).then_some((true, 0.0345, 0.0)), "{from}: {start:?}");
             }
             let even = start(&cut(420, step, sensors));
             assert!(even.unknown_for_s == 0.0 && even.velocity_m_per_s > 0.02, "{even:?}");

@@ -22,6 +22,7 @@ use response::Responses;
 
 pub use change::Change;
 pub use far_value::{Cause, FarValue, far_values};
+pub(crate) use tolerated::USED_UP;
 pub use tolerated::{Tolerated, not_tolerated, tolerated};
 pub use trial::Trial;
 

@@ -5,7 +5,7 @@ use model_core::machine::Parameter;
 
 /// From this share of a tolerance on it is used up. A fit moves ever more stiffly towards the limit, three standard deviations and more up to here,
 /// so that only recordings that press for more come so far.
-const USED_UP: f64 = 0.95;
+pub(crate) const USED_UP: f64 = 0.95;
 
 /// An effect parameter within its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]

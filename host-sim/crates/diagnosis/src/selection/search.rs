@@ -52,19 +52,20 @@ fn added(
 ) -> Result<Vec<Candidate>, FitError> {
     let refit = |leads: &[Lead], reference: &Reference<'_>| refit_each(leads, done, |lead| reference.with(lead));
     let reference = Reference::new(question, from)?;
+    let presses = |lead: &Lead| from.presses(question, lead.effect, lead.form);
     let is_astray = from.effects.is_empty() && from.is_pulled(question);
     // Where much is free, what pulls the base parameters leads them to where no effect looks like itself.
     let own = if is_astray && question.has_tolerances() {
         Vec::new()
     } else {
-        promising(reference.leads(open)?, most, PREDICTED_GAIN)
+        promising(reference.leads(open)?, most, PREDICTED_GAIN, presses)
     };
     if !is_astray {
         return refit(&own, &reference);
     }
     let beside = Reference::new(question, &inflated.base)?;
     let leads = beside.leads_by([&inflated.correlated, &inflated.independent], open)?;
-    let [mut others, mut bending] = leads.map(|leads| promising(leads, most, 0.0));
+    let [mut others, mut bending] = leads.map(|leads| promising(leads, most, 0.0, presses));
     let (again, own): (Vec<Lead>, Vec<Lead>) =
         own.into_iter().partition(|lead| others.iter().any(|other| other.is_like(lead)));
     bending.retain(|lead| others.iter().all(|known| !known.is_like(lead)));
@@ -110,8 +111,9 @@ pub(crate) fn open_to(question: &Question<'_>, from: &Candidate) -> Vec<&'static
 }
 
 /// The leads of the most promising effects, each with a predicted gain above the `least`. That is what chance gives, but 0 for the model with
-/// inflated noise, where the whole misfit counts as noise.
-fn promising(mut leads: Vec<Lead>, most: usize, least: f64) -> Vec<Lead> {
+/// inflated noise, where the whole misfit counts as noise. What `presses` against the end of its tolerance is promising too, whatever is predicted from
+/// there.
+fn promising(mut leads: Vec<Lead>, most: usize, least: f64, presses: impl Fn(&Lead) -> bool) -> Vec<Lead> {
     leads.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let best = leads.first().map_or(0.0, |lead| lead.gain);
     let mut kept: Vec<(&str, *const _, f64)> = Vec::new();
@@ -127,8 +129,8 @@ fn promising(mut leads: Vec<Lead>, most: usize, least: f64) -> Vec<Lead> {
         let another = same.clone().all(|(.., predicted_gain)| lead.gain > NEAR_ITS_BEST_FORM * predicted_gain);
         let keep = same.all(|(_, known, _)| *known != form)
             && another
-            && lead.gain > least.max(PROMISING * best)
-            && rank.is_some_and(|rank| rank < most);
+            && lead.gain > least
+            && (presses(lead) || lead.gain > PROMISING * best && rank.is_some_and(|rank| rank < most));
         if keep {
             kept.push((name, form, lead.gain));
         }

@@ -17,6 +17,7 @@ mod levenberg_marquardt;
 mod normal_equations;
 pub mod residuals;
 mod sensitivity;
+mod unsettled;
 
 use levenberg_marquardt::{Minimum, Problem};
 use nalgebra::{DMatrix, DVector};
@@ -39,6 +40,7 @@ pub use residuals::{
     softened, softened_all, standardised, standardised_all, with_channel_tolerances,
 };
 pub use sensitivity::{Change, Directed, Sensitivity, Settled, Simulated};
+pub use unsettled::{Unrest, Unsettled};
 
 /// Largest number of parameters in one fit.
 pub const MOST_PARAMETERS: usize = simulation::MOST_PARAMETERS;

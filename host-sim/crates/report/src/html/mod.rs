@@ -113,6 +113,7 @@ fn doubtful(diagnosis: &Diagnosis) -> Markup {
     html! {
         @for doubt in &diagnosis.doubts { p class="fact" { "Doubt: " (wording::doubt(doubt)) "." } }
         @for far in wording::far_values(&diagnosis.far_values()) { p class="fact" { "Far value: " (far) "." } }
+        @if let Some(moving) = &diagnosis.unsettled { p class="fact" { "The refit did not converge: " (wording::still_moving(moving)) "." } }
         @for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) { p class="fact" { "Tolerance: " (used) "." } }
     }
 }

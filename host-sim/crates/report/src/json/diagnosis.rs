@@ -55,6 +55,12 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
                 "sigmas": digits(far.sigmas, 3), "impossible": far.is_impossible, "sentence": wording::far_value(far),
             })
         }).collect::<Vec<_>>(),
+        "unsettled": diagnosis.unsettled.as_ref().map(|moving| {
+            json!({
+                "name": moving.parameter.description().key, "value": digits(moving.value, 6), "towards": digits(moving.towards, 6),
+                "sentence": wording::still_moving(moving),
+            })
+        }),
         "tolerances": diagnosis.tolerances().iter().map(|one| tolerance(diagnosis, one)).collect::<Vec<_>>(),
         "pressures_taken_as_absolute": exhibits.preprocessing.iter().any(|of| of.taken_as_absolute),
         "located": located,

@@ -22,15 +22,7 @@ pub use tables::{parameters, tolerances, uncertainty};
 pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     let mut text = sentence(diagnosis);
     text.push('\n');
-    for doubt in &diagnosis.doubts {
-        let _ = writeln!(text, "doubt      {}", wording::doubt(doubt));
-    }
-    for far in wording::far_values(&diagnosis.far_values()) {
-        let _ = writeln!(text, "far value  {far}");
-    }
-    for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) {
-        let _ = writeln!(text, "tolerance  {used}");
-    }
+    text += &doubtful(diagnosis);
     if exhibits.preprocessing.iter().any(|of| of.taken_as_absolute) {
         let _ = writeln!(text, "{}", wording::taken_as_absolute());
     }
@@ -118,6 +110,24 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     if !diagnosis.not_testable.is_empty() {
         let names: Vec<_> = diagnosis.not_testable.iter().map(|effect| effect.name).collect();
         let _ = writeln!(text, "not testable with these recordings: {}", names.join(", "));
+    }
+    text
+}
+
+/// What is doubtful about the recordings for this drive, and values that the refit has moved far or not brought to rest.
+fn doubtful(diagnosis: &Diagnosis) -> String {
+    let mut text = String::new();
+    for doubt in &diagnosis.doubts {
+        let _ = writeln!(text, "doubt      {}", wording::doubt(doubt));
+    }
+    for far in wording::far_values(&diagnosis.far_values()) {
+        let _ = writeln!(text, "far value  {far}");
+    }
+    if let Some(moving) = &diagnosis.unsettled {
+        let _ = writeln!(text, "moving     the refit did not converge: {}", wording::still_moving(moving));
+    }
+    for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) {
+        let _ = writeln!(text, "tolerance  {used}");
     }
     text
 }

@@ -8,6 +8,7 @@ mod finding;
 mod location;
 mod outside;
 mod recordings;
+mod still_moving;
 mod tolerance;
 mod unit;
 
@@ -19,5 +20,6 @@ pub use finding::{advice, correction_table, correlation, jumps};
 pub use location::{error_shape, region, spool_habit};
 pub use outside::{outside_cause, outside_explains, outside_kind};
 pub use recordings::{range_end, recording_advice, taken_as_absolute, unsettled};
+pub use still_moving::still_moving;
 pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
 pub use unit::unit_doubt;

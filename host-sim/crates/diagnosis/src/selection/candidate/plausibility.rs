@@ -5,7 +5,8 @@ use identification::fit::Free;
 use model_core::machine::Parameter;
 
 use super::{Candidate, Chosen, Question, effect_parameters};
-use crate::catalogue::{EffectParameter, Form, Kind, Scene, tolerance};
+use crate::agreement::USED_UP;
+use crate::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene, covered_by, tolerance};
 use crate::selection::decision_rule::{
     AMOUNT_NEGLIGIBLE, FIRM_FROM, HARDLY_JUMPS_FROM, PLACE_WITHIN, PRESSED, PRESSED_SIGNED, PULLED_TOO_FAR_QUANTILE,
     SHAPES_A_PLAY_BELOW, SIGNED_NEGLIGIBLE,
@@ -105,6 +106,15 @@ impl Candidate {
         let mut amounts = chosen.form.iter().filter(|effect_parameter| effect_parameter.is_amount()).peekable();
         amounts.peek().is_none()
             || amounts.any(|own| value(own.parameter).abs() > tolerance(question.base_parameters, own.parameter))
+    }
+
+    /// Whether it has used up the tolerance of an amount of a plain effect: only recordings that press for more come so far.
+    pub(crate) fn presses(&self, question: &Question<'_>, effect: &Hypothesis, form: Form) -> bool {
+        let used_up = |own: &EffectParameter| {
+            let most = tolerance(question.base_parameters, own.parameter);
+            own.is_amount() && most > 0.0 && self.fit.machine.get(covered_by(own.parameter)).abs() > USED_UP * most
+        };
+        effect.extends.is_none() && form.iter().any(used_up)
     }
 
     /// Whether its stiction only shapes the play beside it. A stiction that keeps most of its band hardly jumps and acts like a play of twice the

@@ -1,7 +1,7 @@
 //! How well the values of a candidate model are known: standard deviations from the curvature of the loss or, where it has no usable derivative, from
 //! its profile.
 
-use identification::fit::{Correlation, Estimate, FitError, Sensitivity, Uncertainty, inflation, loss};
+use identification::fit::{Correlation, Estimate, FitError, Sensitivity, Uncertainty, Unsettled, inflation, loss};
 use model_core::machine::Parameter;
 
 use super::refit::NARROWEST;
@@ -35,6 +35,12 @@ impl Candidate {
     #[must_use]
     pub fn correlations(&self) -> Vec<Correlation> {
         self.fit.correlations(self.inflation())
+    }
+
+    /// The value that was still moving where its refit ended, if that did not converge.
+    #[must_use]
+    pub fn unsettled(&self) -> Option<Unsettled> {
+        self.fit.unsettled(self.inflation())
     }
 
     /// The joint uncertainty of its fitted values.
