@@ -29,7 +29,7 @@ impl Said {
         self.claims.iter().copied().filter(|claim| !self.right.contains(claim))
     }
 
-    fn found(&self) -> bool {
+    pub(super) fn found(&self) -> bool {
         self.claims.iter().any(|claim| self.right.contains(claim))
     }
 

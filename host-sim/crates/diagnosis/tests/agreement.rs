@@ -85,3 +85,25 @@ fn a_tenth_of_a_position_is_told_where_it_hardly_exceeds_its_noise() {
     assert!(found.len() == 1 && found[0].is_certain, "{found:#?}");
     assert_eq!(found[0].changed.changes, [Change::Scaled(Signal::Position, 10.0)]);
 }
+
+/// What is doubtful about the example where its machine file has the areas of another cylinder.
+fn stated_as(bore_mm: f64, rod_mm: f64) -> Vec<Doubt> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../examples/press-63-40");
+    let (mut file, recordings) = test_press::folder(&folder);
+    file.machine = Change::Cylinder { bore_mm, rod_mm }.on(&file.machine);
+    doubts(&file, &base_parameters(&file), &recordings.iter().collect::<Vec<_>>()).unwrap()
+}
+
+#[test]
+fn areas_of_another_cylinder_are_told_by_the_pressures_that_balance_its_load() {
+    for (bore_mm, rod_mm) in [(63.0, 28.0), (63.0, 45.0), (50.0, 22.0), (80.0, 36.0)] {
+        let found = stated_as(bore_mm, rod_mm);
+        let of = |doubt: &Doubt| doubt.changed.changes.clone();
+        let cylinders: Vec<Change> = found.iter().flat_map(of).collect();
+        assert!(
+            cylinders.contains(&Change::Cylinder { bore_mm: 63.0, rod_mm: 40.0 }),
+            "{bore_mm}/{rod_mm}: {found:#?}"
+        );
+    }
+    assert_eq!(stated_as(63.0, 40.0), []);
+}

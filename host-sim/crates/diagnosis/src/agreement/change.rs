@@ -1,10 +1,10 @@
-//! Changes of a recording that are tried: as though a channel had been connected or scaled otherwise.
+//! Changes that are tried: of a recording, as though a channel had been connected or scaled otherwise, and of the cylinder that it is taken for.
 
 use model_core::machine::{Machine, Parameter};
 use recording::{Column, Recording, Signal};
 use simulation::signal::noise::extent;
 
-/// A change of what was recorded.
+/// A change of what was recorded, or of what the machine file says of the cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
     /// This signal with the other sign; a position counts from the other end.
@@ -15,6 +15,13 @@ pub enum Change {
     PressuresExchanged,
     /// This signal so many times as large; both pressures, where it is one of them.
     Scaled(Signal, f64),
+    /// A cylinder with another bore and rod.
+    Cylinder {
+        /// mm.
+        bore_mm: f64,
+        /// mm.
+        rod_mm: f64,
+    },
 }
 
 impl Change {
@@ -24,6 +31,7 @@ impl Change {
         const PRESSURES: &[Signal] = &[S::PressureA, S::PressureB];
         match self {
             Self::PortsExchanged => &[S::Command, S::Spool],
+            Self::Cylinder { .. } => &[],
             Self::PressuresExchanged | Self::Scaled(S::PressureA | S::PressureB, _) => PRESSURES,
             Self::Reversed(signal) | Self::Scaled(signal, _) => {
                 let at = Signal::ALL.iter().position(|known| *known == signal).unwrap_or_default();
@@ -54,10 +62,32 @@ impl Change {
                     each(&|value| whole - value)
                 }
                 Self::Reversed(_) => each(&|value| -value),
+                Self::Cylinder { .. } => values.to_vec(),
             };
             changed.replace(signal, &values);
         }
         changed
+    }
+}
+
+impl Change {
+    /// The machine with it: areas of another cylinder, with the oil in it.
+    #[must_use]
+    pub fn on(self, machine: &Machine<f64>) -> Machine<f64> {
+        let Self::Cylinder { bore_mm, rod_mm } = self else { return *machine };
+        let circle = |across_mm: f64| 0.25 * std::f64::consts::PI * (1e-3 * across_mm).powi(2);
+        let (whole, ring) = (circle(bore_mm), circle(bore_mm) - circle(rod_mm));
+        let half_stroke_m = 0.5 * machine.get(Parameter::Stroke);
+        let volume = |volume, area, is: f64| {
+            let more_m3 = (is - machine.get(area)) * half_stroke_m;
+            (machine.get(volume) + more_m3).max(is * half_stroke_m)
+        };
+        machine.with(&[
+            (Parameter::AreaA, whole),
+            (Parameter::AreaB, ring),
+            (Parameter::VolumeA, volume(Parameter::VolumeA, Parameter::AreaA, whole)),
+            (Parameter::VolumeB, volume(Parameter::VolumeB, Parameter::AreaB, ring)),
+        ])
     }
 }
 

@@ -3,9 +3,10 @@
 //! A sensor that counts the other way, exchanged pressure lines or a position in the wrong unit is no missing physics. But a refit follows much of it:
 //! with a tenth of the position, a tenfold bulk modulus and a tenth of the flow fit as well as before. So a cheap test comes first: how far, and which
 //! way, the machine file's model moves compared with what was recorded (`response`). Only where that raises a doubt, changes of the recordings that
-//! would remove it (`direction`, `scale`) are tried by rough refits of short parts (`trial`).
+//! would remove it (`direction`, `scale`, `cylinder`) are tried by rough refits of short parts (`trial`).
 
 mod change;
+mod cylinder;
 mod direction;
 mod far_value;
 mod response;
@@ -105,7 +106,10 @@ pub fn doubts(file: &MachineFile, free: &[Free], recordings: &[&Recording]) -> R
     let responses = parallel::each(recordings, |recording| Responses::of(file, recording));
     let mut raised: Vec<Raised> = Vec::new();
     for (index, responses) in responses.iter().enumerate() {
-        let found = responses.iter().flat_map(|responses| [direction::changes(responses), scale::changes(responses)]);
+        let found = responses.iter().flat_map(|responses| {
+            let of_cylinder = cylinder::changes(&file.machine, recordings[index]);
+            [direction::changes(responses), scale::changes(responses), of_cylinder]
+        });
         for found in found.filter(|(changes, _)| !changes.is_empty()) {
             let left = raised.iter_mut().try_fold(found, |found, known| match known.joined(found, index) {
                 Ok(()) => Err(()),

@@ -11,6 +11,7 @@ use recording::{Recording, Signal};
 use super::far_value::{FarValue, far_values};
 use super::response::prepared;
 use super::{Change, Doubt};
+use crate::diagnose::base_parameters;
 
 /// A refit ends when its loss falls by less than this share: what is told apart here differs by far more.
 const ROUGHLY: f64 = 3e-3;
@@ -115,7 +116,17 @@ fn trial(
     signals: &[Signal],
     changes: &[Change],
 ) -> Result<Option<Trial>, FitError> {
-    let machine = &file.machine;
+    let machine = &changes.iter().fold(file.machine, |machine, change| change.on(&machine));
+    // What may move, moves around the values of the changed machine.
+    let moved;
+    let free = if *machine == file.machine {
+        free
+    } else {
+        let mut other = file.clone();
+        other.machine = *machine;
+        moved = base_parameters(&other);
+        &moved
+    };
     let changed = |part: &Recording| {
         let changed = changes.iter().fold(part.clone(), |recording, change| change.of(&recording, machine));
         prepared(&changed, machine, file.load_source)

@@ -7,9 +7,10 @@ use identification::fit::{Counts, FitError, Residuals, loss};
 use super::candidate::{Candidate, Chosen, Question};
 use super::decision_rule::{
     BEYOND_PENALTY, EXTENSION_EXPLAINS, EXTENSION_GAINS, FEW_RECORDINGS, FINER_FORM_TAKES, FURTHER_EXPLAINS,
-    LEAST_EXPLAINED, MISSED_FROM, MOST_REFITTED_WITHOUT, RECORDINGS_EXCUSED, RECORDINGS_GAIN, UNEARNED_BEHIND,
+    LEAST_EXPLAINED, LIKELIER_BY, MISSED_FROM, MOST_REFITTED_WITHOUT, RECORDINGS_EXCUSED, RECORDINGS_GAIN,
+    UNEARNED_BEHIND,
 };
-use crate::catalogue::CATALOGUE;
+use crate::catalogue::{CATALOGUE, Subsystem};
 
 /// Best first by log-likelihood gained over the base less penalty; only the best form of the same effects stays.
 pub(crate) fn ranked(question: &Question<'_>, base: &Candidate, found: Vec<Candidate>) -> Vec<(Candidate, f64)> {
@@ -85,6 +86,23 @@ pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
             *net = net.min(plain.1 - UNEARNED_BEHIND);
         }
         ranked.insert(0, plain);
+    }
+}
+
+/// Puts a candidate model with a sensor's fault before one with physics in its place, where the recordings do not tell the two apart: to look at a sensor
+/// costs less than to open a valve.
+pub(crate) fn prefer_sensor(ranked: &mut Vec<(Candidate, f64)>) {
+    let Some((best, best_net)) = ranked.first() else { return };
+    let senses = |chosen: &&Chosen| chosen.effect.subsystem == Subsystem::Sensing;
+    let takes_its_place = |other: &Candidate| {
+        let new: Vec<&Chosen> = other.effects.iter().filter(|chosen| !best.has(chosen.effect)).collect();
+        let gone: Vec<&Chosen> = best.effects.iter().filter(|chosen| !other.has(chosen.effect)).collect();
+        new.len() == 1 && gone.len() == 1 && new.iter().all(senses) && !gone.iter().any(senses)
+    };
+    let is_told = |net: f64| best_net - net > LIKELIER_BY;
+    if let Some(index) = ranked.iter().position(|(other, net)| !is_told(*net) && takes_its_place(other)) {
+        let (sensor, net) = ranked.remove(index);
+        ranked.insert(0, (sensor, net));
     }
 }
 

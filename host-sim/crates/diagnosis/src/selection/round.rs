@@ -6,7 +6,7 @@ use identification::fit::FitError;
 
 use super::candidate::{Candidate, Chosen, Question};
 use super::decision_rule::{LEFT_BY_EQUATIONS, LIKELIER_BY, LIKELIER_THAN_NONE, RIVAL_WITHIN, RIVAL_WITHIN_SHARE};
-use super::likelihood::{accepts, is_earned, misfit_above_noise, prefer_plain, ranked};
+use super::likelihood::{accepts, is_earned, misfit_above_noise, prefer_plain, prefer_sensor, ranked};
 use super::outcome::Trial;
 use super::search::{is_hopeful, least_above};
 use crate::catalogue::Hypothesis;
@@ -142,6 +142,7 @@ pub(crate) fn finished(
     loop {
         let mut ranked = ranked(question, base, all);
         prefer_plain(base, &mut ranked);
+        prefer_sensor(&mut ranked);
         // A candidate model that moves up only now is refitted to the end before it may be chosen.
         if !ranked.iter().take(BEAM).all(|(candidate, _)| candidate.is_finished) {
             let mut first = candidates(ranked);

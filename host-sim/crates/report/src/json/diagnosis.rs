@@ -166,6 +166,7 @@ fn doubt(doubt: &Doubt) -> Value {
         Change::Reversed(signal) => json!({ "kind": "reversed", "signal": signal.name() }),
         Change::PortsExchanged => json!({ "kind": "ports-exchanged" }),
         Change::PressuresExchanged => json!({ "kind": "pressures-exchanged" }),
+        Change::Cylinder { bore_mm, rod_mm } => json!({ "kind": "cylinder", "bore_mm": bore_mm, "rod_mm": rod_mm }),
         Change::Scaled(signal, factor) => {
             json!({ "kind": "scaled", "signal": signal.name(), "factor": digits(*factor, 6) })
         }
@@ -277,6 +278,7 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
         .collect();
     let mut found = json!({
         "effect": finding.effect.name,
+        "claimed": wording::claimed(finding),
         "subsystem": finding.effect.subsystem,
         "confidence": digits(finding.confidence, 3),
         "parameters": parameters,

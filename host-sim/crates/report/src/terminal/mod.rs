@@ -170,7 +170,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
     let name = &diagnosis.machine;
     match diagnosis.verdict {
         Verdict::MissingPhysics => {
-            let effects: Vec<_> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
+            let effects: Vec<String> = diagnosis.findings.iter().map(wording::claimed).collect();
             let confirmed = match &diagnosis.confirmation {
                 Some(confirmation) => {
                     format!("confirmed on {} of {} held-out recordings", confirmation.improved, confirmation.recordings)

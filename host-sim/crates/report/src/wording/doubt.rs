@@ -36,6 +36,9 @@ fn claim(change: Change) -> String {
         Change::Reversed(signal) => format!("{signal} seems to run the other way"),
         Change::PortsExchanged => "ports A and B of the valve seem to be exchanged".to_owned(),
         Change::PressuresExchanged => "the pressures of A and B seem to be exchanged".to_owned(),
+        Change::Cylinder { bore_mm, rod_mm } => {
+            format!("the areas seem to be those of another cylinder, {bore_mm}/{rod_mm} mm")
+        }
         Change::Scaled(signal, factor) => {
             let signals = match signal {
                 Signal::PressureA | Signal::PressureB => "both pressures seem".to_owned(),
@@ -55,6 +58,7 @@ fn remedy(change: Change) -> String {
     match change {
         Change::Reversed(_) => "turned round".to_owned(),
         Change::PortsExchanged | Change::PressuresExchanged => "exchanged back".to_owned(),
+        Change::Cylinder { .. } => "with these areas".to_owned(),
         Change::Scaled(_, factor) => match share(factor) {
             Some(share) => format!("taken as {share} of that"),
             None => format!("taken {} times as large", significant(factor, 2)),

@@ -1,5 +1,6 @@
 //! What stands beside a finding: the position's evidence for jumps, the test against its rival, correlated parameters; and a table without a name.
 
+use diagnosis::Finding;
 use diagnosis::correction_table::Unnamed;
 use diagnosis::selection::JumpsFound;
 use experiment::discriminate::{Distance, Separation};
@@ -17,6 +18,48 @@ pub fn jumps(told: JumpsFound) -> String {
         significant(100.0 * told.jump_spacing.length, 2),
         significant(told.jump_spacing.evidence, 2)
     )
+}
+
+/// An alternative that is at least as probable is told with a finding: once in twenty times it is the true one.
+const TOLD_FROM: f64 = 0.05;
+
+/// What is claimed: an effect, or where the recordings do not tell it from others, all of them, by the name of their family where they have one.
+#[must_use]
+pub fn claimed(finding: &Finding) -> String {
+    let others = finding.alternatives.iter().filter(|(_, probability)| *probability >= TOLD_FROM);
+    let names: Vec<&str> = std::iter::once(finding.effect.name).chain(others.map(|(other, _)| other.name)).collect();
+    if names.len() == 1 {
+        return names.concat();
+    }
+    let count = match names.len() {
+        2 => "two",
+        3 => "three",
+        _ => "these",
+    };
+    let either = names.join(" or ");
+    match family(&names) {
+        Some(family) => format!("{family} ({either}; which of the {count} cannot be told)"),
+        None => format!("{either} (which of the {count} cannot be told)"),
+    }
+}
+
+/// The word for a family of effects that all of these belong to.
+fn family(names: &[&str]) -> Option<&'static str> {
+    const FAMILIES: [(&str, &[&str]); 2] = [
+        ("a leak", &["internal-leakage", "external-leakage", "valve-leakage", "pump-slip"]),
+        (
+            "dry friction",
+            &[
+                "coulomb-friction",
+                "stribeck-friction",
+                "presliding",
+                "friction-asymmetry",
+                "position-dependent-friction",
+                "pressure-dependent-friction",
+            ],
+        ),
+    ];
+    FAMILIES.iter().find(|(_, members)| names.iter().all(|name| members.contains(name))).map(|(family, _)| *family)
 }
 
 /// A correction table for what no effect accounts for.
@@ -61,6 +104,8 @@ pub fn correlation(pair: &Correlation) -> String {
 
 #[cfg(test)]
 mod tests {
+    use diagnosis::catalogue::{CATALOGUE, Hypothesis};
+
     use diagnosis::selection::JumpSpacing;
     use model_core::machine::Parameter;
     use recording::Signal;
@@ -111,5 +156,28 @@ mod tests {
             |coefficient| Correlation { one: Parameter::ValveGain, other: Parameter::FlowCoefficient, coefficient };
         assert_eq!(correlation(&pair(-0.99)), "valve.gain_per_v and valve.flow_coefficient: −0.990");
         assert!(correlation(&pair(0.999_87)).ends_with(": 0.99987"));
+    }
+
+    fn effect(name: &str) -> &'static Hypothesis {
+        CATALOGUE.iter().find(|effect| effect.name == name).unwrap()
+    }
+
+    fn found(name: &str, others: &[(&str, f64)]) -> String {
+        let alternatives = others.iter().map(|(other, probability)| (effect(other), *probability)).collect();
+        let (confidence, parameters) = (0.5, Vec::new());
+        claimed(&Finding { effect: effect(name), confidence, parameters, alternatives, jumps: None })
+    }
+
+    #[test]
+    fn what_cannot_be_told_apart_is_claimed_together() {
+        assert_eq!(found("internal-leakage", &[("external-leakage", 0.01)]), "internal-leakage");
+        assert_eq!(
+            found("internal-leakage", &[("external-leakage", 0.3), ("valve-leakage", 0.2)]),
+            "a leak (internal-leakage or external-leakage or valve-leakage; which of the three cannot be told)"
+        );
+        assert_eq!(
+            found("sensor-offset", &[("dead-zone-asymmetry", 0.4)]),
+            "sensor-offset or dead-zone-asymmetry (which of the two cannot be told)"
+        );
     }
 }

@@ -16,7 +16,7 @@ pub use comparison::{obstacle, unjudged};
 pub use doubt::doubt;
 pub(crate) use far_value::moved;
 pub use far_value::{far_value, far_values};
-pub use finding::{advice, correction_table, correlation, jumps};
+pub use finding::{advice, claimed, correction_table, correlation, jumps};
 pub use location::{error_shape, region, spool_habit};
 pub use outside::{outside_cause, outside_explains, outside_kind};
 pub use recordings::{range_end, recording_advice, taken_as_absolute, unsettled};
