@@ -20,8 +20,8 @@ pub struct Confirmation {
     pub gain: f64,
     /// Of the signals that the model misses with the effects, the one that gained least, over all held-out recordings; infinite where it misses none.
     pub least_gain: f64,
-    /// RMSE over noise of the signal that it misses most with the effects.
-    pub worst: f64,
+    /// RMSE over noise of the spool with the effects; 0 where no sensor shows it.
+    pub spool: f64,
     /// Lowest NRMSE fit of a signal with the effects, %.
     pub least_fit_percent: f64,
     /// Number of held-out recordings on which it gained.
@@ -132,7 +132,7 @@ pub fn confirm(
     Ok(Confirmation {
         gain: signals.iter().map(|(_, gain)| gain).sum(),
         least_gain: gains_of_missed.fold(f64::INFINITY, f64::min),
-        worst: left_with.iter().map(off).fold(0.0, f64::max),
+        spool: left_with.iter().filter(|misfit| misfit.signal == Signal::Spool).map(off).fold(0.0, f64::max),
         least_fit_percent,
         improved,
         recordings: held_out.len(),
@@ -151,7 +151,7 @@ mod tests {
         Confirmation {
             gain: 50.0,
             least_gain: 50.0,
-            worst: 5.0,
+            spool: 0.0,
             least_fit_percent: 90.0,
             improved: 1,
             recordings: 2,

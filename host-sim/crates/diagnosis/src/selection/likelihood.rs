@@ -90,7 +90,7 @@ pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
 }
 
 /// Puts a candidate model with a sensor's fault before one with physics in its place, where the recordings do not tell the two apart: to look at a sensor
-/// costs less than to open a valve.
+/// costs less than to open a valve. Asked of drives with tolerances: in those both are within a drawing first.
 pub(crate) fn prefer_sensor(ranked: &mut Vec<(Candidate, f64)>) {
     let Some((best, best_net)) = ranked.first() else { return };
     let senses = |chosen: &&Chosen| chosen.effect.subsystem == Subsystem::Sensing;

@@ -142,7 +142,9 @@ pub(crate) fn finished(
     loop {
         let mut ranked = ranked(question, base, all);
         prefer_plain(base, &mut ranked);
-        prefer_sensor(&mut ranked);
+        if question.has_tolerances() {
+            prefer_sensor(&mut ranked);
+        }
         // A candidate model that moves up only now is refitted to the end before it may be chosen.
         if !ranked.iter().take(BEAM).all(|(candidate, _)| candidate.is_finished) {
             let mut first = candidates(ranked);

@@ -67,15 +67,15 @@ impl Selection {
     }
 }
 
-/// Whether held-out recordings gain by each effect of a choice on its own side of the recorded spool, where the whole model with them is far off: what
-/// one side misses of them by another cause hides what they take away on the other.
+/// Whether held-out recordings gain by each effect of a choice on its own side of the recorded spool, where the spool itself is far off in them: what the
+/// valve misses hides what the effects take away below it.
 pub(crate) fn stands_on_own_sides(
     question: &Question<'_>,
     selection: &Selection,
     told: &Confirmation,
     held_out: &[&Prepared],
 ) -> Result<bool, FitError> {
-    if told.worst <= OWN_SIDE_FROM || !told.gains_in_all() {
+    if told.spool <= OWN_SIDE_FROM || !told.gains_in_all() {
         return Ok(false);
     }
     for one in &selection.chosen.effects {
