@@ -59,7 +59,14 @@ impl Worn {
         let open = get(P::FlowCoefficient) * (1.0 - get(P::DeadZone));
         let (area_a, area_b) = (get(P::AreaA), get(P::AreaB));
         let full_m3_per_s = open * area_a * (supply_pa * area_a / (area_a.powi(3) + area_b.powi(3))).sqrt();
-        let rubs = |level, sliding_n: f64, dice: &mut Noise| {
+        // Sliding as a share of full force, breaking away as a multiple of that, each between two values; slow up to a velocity.
+        let rubs = |sliding: [f64; 2], breaking_away: [f64; 2], slow_m_per_s: f64, dice: &mut Noise| {
+            let sliding_n = full_n * dice.uniform(sliding[0], sliding[1]);
+            let level = FrictionLevel::Stribeck {
+                sliding_n,
+                break_away_n: sliding_n * dice.uniform(breaking_away[0], breaking_away[1]),
+                velocity_m_per_s: dice.uniform(5e-3, slow_m_per_s),
+            };
             let give_m = dice.decades(1e-5, 5e-5);
             let bristles_n_s_per_m = dice.decades(0.05, 0.3) * (sliding_n / give_m * get(P::MovingMass)).sqrt();
             PlantEffect::Friction(DryFriction::giving(level, give_m, bristles_n_s_per_m))
@@ -75,24 +82,8 @@ impl Worn {
                 let conductance = leak(dice.decades(0.01, 0.1));
                 PlantEffect::external_leakage(if dice.happens(0.5) { [conductance, 0.0] } else { [0.0, conductance] })
             }
-            "coulomb-friction" => {
-                let sliding_n = full_n * dice.uniform(0.05, 0.12);
-                let level = FrictionLevel::Stribeck {
-                    sliding_n,
-                    break_away_n: sliding_n * dice.uniform(1.0, 1.15),
-                    velocity_m_per_s: dice.uniform(5e-3, 0.015),
-                };
-                rubs(level, sliding_n, dice)
-            }
-            "stribeck-friction" => {
-                let sliding_n = full_n * dice.uniform(0.03, 0.06);
-                let level = FrictionLevel::Stribeck {
-                    sliding_n,
-                    break_away_n: sliding_n * dice.uniform(1.8, 3.0),
-                    velocity_m_per_s: dice.uniform(5e-3, 0.02),
-                };
-                rubs(level, sliding_n, dice)
-            }
+            "coulomb-friction" => rubs([0.05, 0.12], [1.0, 1.15], 0.015, dice),
+            "stribeck-friction" => rubs([0.03, 0.06], [1.8, 3.0], 0.02, dice),
             "valve-hysteresis" => PlantEffect::Valve(ValveEffect::WeightedPlays { width: dice.decades(0.015, 0.05) }),
             "spool-stiction" => PlantEffect::Valve(ValveEffect::Stiction {
                 break_away: dice.decades(0.01, 0.03),

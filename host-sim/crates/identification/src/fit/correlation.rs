@@ -46,39 +46,13 @@ impl Fit {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{DMatrix, DVector};
-
     use model_core::machine::Parameter as P;
-    use test_press::press;
 
     use super::*;
-    use crate::fit::normal_equations::OF_START;
-    use crate::fit::{Free, Freedom};
+    use crate::fit::test_fit;
 
-    /// A fit of three values: the recordings determine the first two only by their sum, and the third by itself.
     fn fit(gain_at: f64) -> Fit {
-        let machine = press(&[]);
-        let around = |parameter, nominal, sigma| Free { parameter, freedom: Freedom::Around { nominal, sigma } };
-        let free = vec![
-            around(P::ValveGain, 0.05, 0.005),
-            around(P::FlowCoefficient, 2.4e-7, 2.4e-8),
-            around(P::ViscousFriction, 1e4, 1e3),
-        ];
-        let mut matrix = DMatrix::zeros(3 + OF_START, 3 + OF_START);
-        for (one, other, told) in [(0, 0, 99.0), (0, 1, 99.0), (1, 0, 99.0), (1, 1, 99.0), (2, 2, 99.0)] {
-            matrix[(one, other)] = told;
-        }
-        let normal_equations =
-            NormalEquations { matrix, gradient: DVector::zeros(3 + OF_START), square: 1000.0, rows: 1000.0 };
-        Fit {
-            machine,
-            free,
-            coordinates: vec![gain_at, 0.0, 0.0],
-            starts: Vec::new(),
-            normal_equations: vec![normal_equations],
-            converged: true,
-            loss: 0.0,
-        }
+        test_fit::ended([gain_at, 0.0, 0.0], [0.0; 3], true)
     }
 
     #[test]

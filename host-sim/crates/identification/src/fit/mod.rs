@@ -17,6 +17,8 @@ mod levenberg_marquardt;
 mod normal_equations;
 pub mod residuals;
 mod sensitivity;
+#[cfg(test)]
+mod test_fit;
 mod unsettled;
 
 use levenberg_marquardt::{Minimum, Problem};

@@ -58,36 +58,13 @@ impl Fit {
 #[cfg(test)]
 mod tests {
     use model_core::machine::Parameter as P;
-    use nalgebra::{DMatrix, DVector};
-    use test_press::press;
 
     use super::*;
-    use crate::fit::{Free, Freedom, OF_START, StartState};
+    use crate::fit::test_fit;
 
-    /// A fit that did not converge: the recordings determine gain and flow by their sum, and friction by itself. The slopes are those of half the sum
-    /// of squares, without the priors'.
+    /// A fit that did not converge.
     fn ended(at: [f64; 3], slopes: [f64; 3]) -> Fit {
-        let around = |parameter, nominal, sigma| Free { parameter, freedom: Freedom::Around { nominal, sigma } };
-        let free = vec![
-            around(P::ValveGain, 0.05, 0.005),
-            around(P::FlowCoefficient, 2.4e-7, 2.4e-8),
-            around(P::ViscousFriction, 1e4, 1e3),
-        ];
-        let mut matrix = DMatrix::zeros(3 + OF_START, 3 + OF_START);
-        for (one, other) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 2)] {
-            matrix[(one, other)] = 99.0;
-        }
-        let mut gradient = DVector::zeros(3 + OF_START);
-        gradient.rows_mut(0, 3).copy_from_slice(&slopes);
-        Fit {
-            machine: press(&[]),
-            free,
-            coordinates: at.to_vec(),
-            starts: vec![StartState::default()],
-            normal_equations: vec![NormalEquations { matrix, gradient, square: 1000.0, rows: 1000.0 }],
-            converged: false,
-            loss: 0.0,
-        }
+        test_fit::ended(at, slopes, false)
     }
 
     #[test]
