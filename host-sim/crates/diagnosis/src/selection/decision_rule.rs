@@ -62,8 +62,7 @@ pub(crate) const RECORDINGS_EXCUSED: usize = 1;
 pub(crate) const FEW_RECORDINGS: usize = 2;
 
 /// Share of the misfit above noise that a candidate model has to take away. Source: one that takes less leaves more than it explains, and
-/// stands in for something else. Where the tolerance of its amounts is used up, that took a part of it: then the recordings have to be followed with it
-/// ([`MISSED_FROM`]).
+/// stands in for something else.
 pub(crate) const LEAST_EXPLAINED: f64 = 0.5;
 
 /// Share of the first misfit above noise that a further effect has to take away beside accepted ones: less cannot be told from the error of

@@ -7,8 +7,7 @@ use identification::fit::{Counts, FitError, Residuals, loss};
 use super::candidate::{Candidate, Chosen, Question};
 use super::decision_rule::{
     BEYOND_PENALTY, EXTENSION_EXPLAINS, EXTENSION_GAINS, FEW_RECORDINGS, FINER_FORM_TAKES, FURTHER_EXPLAINS,
-    LEAST_EXPLAINED, LIKELIER_BY, MISSED_FROM, MOST_REFITTED_WITHOUT, RECORDINGS_EXCUSED, RECORDINGS_GAIN,
-    UNEARNED_BEHIND,
+    LEAST_EXPLAINED, LIKELIER_BY, MOST_REFITTED_WITHOUT, RECORDINGS_EXCUSED, RECORDINGS_GAIN, UNEARNED_BEHIND,
 };
 use crate::catalogue::{CATALOGUE, Subsystem};
 
@@ -160,8 +159,7 @@ pub(crate) fn accepts(
         misfit_above_noise(&with.residuals),
     );
     let told = before - after >= FURTHER_EXPLAINS * most || (without.is_pulled(question) && !with.is_pulled(question));
-    let explains = after <= (1.0 - LEAST_EXPLAINED) * before || completes(question, without, with);
-    if !explains || (!without.effects.is_empty() && !told) {
+    if after > (1.0 - LEAST_EXPLAINED) * before || (!without.effects.is_empty() && !told) {
         return Ok(false);
     }
     let counts = question.counts();
@@ -180,14 +178,6 @@ pub(crate) fn accepts(
     }
     Ok(pays(&Gained::of(&without.residuals, &with.residuals, counts))
         && pays(&Gained::of(&without.left_out_refitted(question)?, &with.left_out_refitted(question)?, counts)))
-}
-
-/// Whether the recordings are followed with an effect of which the other model has used up the tolerance: that took its share of what the effect
-/// explains.
-fn completes(question: &Question<'_>, without: &Candidate, with: &Candidate) -> bool {
-    let presses =
-        |chosen: &Chosen| !without.has(chosen.effect) && without.presses(question, chosen.effect, chosen.form);
-    with.effects.iter().any(presses) && with.worst_over_noise(question) <= MISSED_FROM
 }
 
 /// What recordings gain by the residuals `after` over those `before`.

@@ -46,7 +46,7 @@ impl Trial {
 pub struct Selection {
     /// The machine file's model, refitted.
     pub base: Candidate,
-    /// The same, refitted with [inflated noise](super::inflated_noise): the base parameters stay where they can be.
+    /// The same, refitted with the noise inflated to its own misfit: the base parameters stay where they can be.
     pub inflated: Fit,
     /// The chosen candidate model; the base again if nothing is accepted.
     pub chosen: Candidate,

@@ -20,7 +20,7 @@ pub fn still_moving(unsettled: &Unsettled) -> String {
             significant(coefficient, 2)
         ),
         Unrest::Bent => {
-            "what the model lacks bends it: `host-sim diagnose` looks for that; or give it less freedom in [fit.sigma]".to_owned()
+            "it is bent by what the model lacks: find that first, or give it less freedom in [fit.sigma] or [fit.tolerance]".to_owned()
         }
     };
     format!("{} was still moving from {value:.3e} towards {towards:.3e}{unit}; {why}", description.key)
@@ -44,6 +44,6 @@ mod tests {
              determined (r = -0.98): take one of the two out of [fit.sigma], or give it less freedom"
         );
         assert!(told(Unrest::AtBound).contains("the end of its range"));
-        assert!(told(Unrest::Bent).contains("`host-sim diagnose`"));
+        assert!(told(Unrest::Bent).contains("bent by what the model lacks"));
     }
 }
