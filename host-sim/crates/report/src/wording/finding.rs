@@ -23,10 +23,14 @@ pub fn jumps(told: JumpsFound) -> String {
 /// An alternative that is at least as probable is told with a finding: once in twenty times it is the true one.
 const TOLD_FROM: f64 = 0.05;
 
-/// What is claimed: an effect, or where the recordings do not tell it from others, all of them, by the name of their family where they have one.
+/// What is claimed: an effect, or where the recordings do not tell it from others, all of them, by the name of their family where they have one. What
+/// extends the same plain effect is no other: the plainer one is preferred.
 #[must_use]
 pub fn claimed(finding: &Finding) -> String {
-    let others = finding.alternatives.iter().filter(|(_, probability)| *probability >= TOLD_FROM);
+    let others = finding
+        .alternatives
+        .iter()
+        .filter(|(other, probability)| *probability >= TOLD_FROM && other.plainest() != finding.effect.plainest());
     let names: Vec<&str> = std::iter::once(finding.effect.name).chain(others.map(|(other, _)| other.name)).collect();
     if names.len() == 1 {
         return names.concat();
@@ -175,6 +179,7 @@ mod tests {
             found("internal-leakage", &[("external-leakage", 0.3), ("valve-leakage", 0.2)]),
             "a leak (internal-leakage or external-leakage or valve-leakage; which of the three cannot be told)"
         );
+        assert_eq!(found("coulomb-friction", &[("stribeck-friction", 0.3)]), "coulomb-friction");
         assert_eq!(
             found("sensor-offset", &[("dead-zone-asymmetry", 0.4)]),
             "sensor-offset or dead-zone-asymmetry (which of the two cannot be told)"

@@ -39,7 +39,7 @@ const REPEATS_MOST: f64 = 0.6;
 const REST_ROWS: usize = 32;
 const REST_REPEATS: f64 = 0.8;
 /// A reading that repeats for so long is the end of the range if noise causes it less often than once in this many recordings.
-const ONCE_IN: f64 = 1e3;
+const ONCE_IN: f64 = 1e5;
 /// Rows between two at the end that are as close as this are at the end but for noise.
 const GAP_ROWS: usize = 8;
 /// A smooth turn that keeps a reading for four rows is at most four steps off two rows later, by its parabola; twice that is a corner.
@@ -75,12 +75,11 @@ fn at_end(signal: Signal, values: &[f64], step: f64, end: f64, span: f64) -> Opt
         return None;
     }
     let visits: Vec<(usize, usize)> = visits(values, is_there);
+    let longest = visits.iter().map(|(from, to)| to - from).max()?;
     let noise = noise_beside(values, &visits);
     let is_silent = !rests_elsewhere(values) && noise > (VISIBLE_STEPS * step).max(VISIBLE_SPAN * span) && {
-        // Each visit may begin in any row; the logarithms of how seldom noise repeats so often add up.
-        let seldom =
-            |(from, to): &(usize, usize)| (to - from - 1) as f64 * -REPEATS_MOST.ln() - (values.len() as f64).ln();
-        visits.iter().map(|visit| seldom(visit).max(0.0)).sum::<f64>() > ONCE_IN.ln()
+        let times = i32::try_from(longest - 1).unwrap_or(i32::MAX);
+        REPEATS_MOST.powi(times) * values.len() as f64 * ONCE_IN < 1.0
     };
     let cuts = matches!(signal, Signal::PressureA | Signal::PressureB | Signal::Force);
     let has_corners = || {
