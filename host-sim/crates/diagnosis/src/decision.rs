@@ -48,9 +48,9 @@ pub(crate) fn decide(
         return Decision::without(question, selection, vetoed, None);
     }
     let confirmation = confirm(&selection.base, chosen, question.training, held)?;
-    let confirms =
-        || Ok::<_, FitError>(confirmation.confirms() || stands_on_own_sides(question, selection, &confirmation, held)?);
-    if !held.is_empty() && !confirms()? {
+    let stands =
+        held.is_empty() || confirmation.confirms() || stands_on_own_sides(question, selection, &confirmation, held)?;
+    if !stands {
         vetoed.extend(chosen.effects.iter().map(|chosen| chosen.effect));
         return Decision::without(question, selection, vetoed, Some(confirmation));
     }

@@ -8,7 +8,7 @@ use std::mem;
 
 use identification::compare::CompareError;
 use identification::experiment::{JudgedSignal, Prepared};
-use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, settle};
+use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, settled};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
@@ -174,7 +174,8 @@ pub fn diagnose(
         Some((tabled, unnamed)) => (tabled.estimates(&question)?, tabled, Some(unnamed)),
         None => (estimates, after, None),
     };
-    let left = above_noise(misses(&after.fit.machine, started(&after, &references))?);
+    let started = references.iter().copied().zip(after.fit.starts.iter().copied());
+    let left = above_noise(misses(&after.fit.machine, started)?);
     let left_held_out = above_noise(missed_in(&after.fit.machine, &opened)?);
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
     let plain: Vec<&Prepared> = plain.iter().flat_map(|plain| plain.trained.iter().chain(&plain.held)).collect();
@@ -270,11 +271,6 @@ fn of_base(free: &[Free], estimates: impl Iterator<Item = Estimate>) -> Vec<Esti
     free.iter().filter_map(of).collect()
 }
 
-/// Training recordings, each from where a candidate model starts it.
-fn started<'a>(candidate: &Candidate, training: &[&'a Prepared]) -> Vec<(&'a Prepared, StartState)> {
-    training.iter().copied().zip(candidate.fit.starts.iter().copied()).collect()
-}
-
 /// Signals that are missed by more than noise.
 fn above_noise(mut misses: Vec<Miss>) -> Vec<Miss> {
     misses.retain(Miss::is_above_noise);
@@ -283,9 +279,7 @@ fn above_noise(mut misses: Vec<Miss>) -> Vec<Miss> {
 
 /// How far each signal of held-out recordings is off, each from the start that fits it best.
 fn missed_in(machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<Vec<Miss>, MachineError> {
-    let started: Vec<(&Prepared, StartState)> =
-        held_out.iter().map(|&case| Ok((case, settle(machine, case)?))).collect::<Result<_, MachineError>>()?;
-    misses(machine, started)
+    misses(machine, held_out.iter().copied().zip(settled(machine, held_out)?))
 }
 
 /// Recordings with how they were prepared and where each starts.

@@ -88,9 +88,8 @@ impl Motion {
         }
         let by_valve = machine.source == Source::Valve && recording.has(Signal::Command);
         let spool = recording.signal(Signal::Spool).filter(|_| by_valve);
-        let shown = spool.and_then(|spool| beginning.spool(spool));
         let unseen = by_valve && spool.is_none();
-        let shown = shown.or_else(|| if unseen { beginning.unseen_spool() } else { None });
+        let shown = if unseen { beginning.unseen_spool() } else { spool.and_then(|spool| beginning.spool(spool)) };
         let rod_changes = unseen && (shown.is_some() || beginning.rod_changes());
         motion.is_changing = shown.is_some() || rod_changes;
         if input_point == InputPoint::Command {
@@ -160,7 +159,7 @@ impl<'a> Beginning<'a> {
     }
 
     /// A spool that no sensor shows, where the rod rests under a command that would move it and only then is moved: the command was given with the
-    /// first row, or so shortly before that oil has not moved the rod yet. It rests where no command holds it.
+    /// first row, or so shortly before that oil has not moved the rod yet. The spool is in its middle, or not far from it.
     fn unseen_spool(&self) -> Option<SpoolAtStart> {
         let get = |parameter| self.machine.get(parameter);
         let (command, position) = (self.recording.signal(Signal::Command)?, self.recording.signal(Signal::Position)?);

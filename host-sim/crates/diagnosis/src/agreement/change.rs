@@ -68,9 +68,7 @@ impl Change {
         }
         changed
     }
-}
 
-impl Change {
     /// The machine with it: areas of another cylinder, with the oil in it.
     #[must_use]
     pub fn on(self, machine: &Machine<f64>) -> Machine<f64> {

@@ -46,20 +46,18 @@ pub(super) fn changes(machine: &Machine<f64>, recording: &Recording) -> (Vec<Vec
     if !is_cylinder || (ratio / stated - 1.0).abs() < OFF || (ratio - stated).abs() < CLEARLY * std {
         return none;
     }
-    let bore_mm = 1e3 * (4.0 / std::f64::consts::PI * machine.get(Parameter::AreaA)).sqrt();
-    let mut tried: Vec<(f64, Change)> = BORES_MM
-        .iter()
-        .flat_map(|&bore| RODS_MM.iter().map(move |&rod| (bore, rod)))
-        .filter(|(bore, rod)| RODS.contains(&(rod / bore)))
-        .map(|(bore, rod)| ((1.0 - (rod / bore).powi(2)) / ratio, bore, rod))
-        .filter(|(off, bore, _)| {
-            (off - 1.0).abs() < NEAR && (1.0 / BORE_WITHIN..=BORE_WITHIN).contains(&(bore / bore_mm))
-        })
-        .map(|(off, bore_mm_there, rod_mm)| {
-            let far = (bore_mm_there / bore_mm).ln().abs() + (off - 1.0).abs();
-            (far, Change::Cylinder { bore_mm: bore_mm_there, rod_mm })
-        })
-        .collect();
+    let stated_mm = 1e3 * (4.0 / std::f64::consts::PI * machine.get(Parameter::AreaA)).sqrt();
+    let mut tried: Vec<(f64, Change)> = Vec::new();
+    for bore_mm in
+        BORES_MM.into_iter().filter(|bore_mm| (1.0 / BORE_WITHIN..=BORE_WITHIN).contains(&(bore_mm / stated_mm)))
+    {
+        for rod_mm in RODS_MM.into_iter().filter(|rod_mm| RODS.contains(&(rod_mm / bore_mm))) {
+            let off = (1.0 - (rod_mm / bore_mm).powi(2)) / ratio - 1.0;
+            if off.abs() < NEAR {
+                tried.push(((bore_mm / stated_mm).ln().abs() + off.abs(), Change::Cylinder { bore_mm, rod_mm }));
+            }
+        }
+    }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     let changes = tried.into_iter().take(MOST_TRIED).map(|(_, change)| vec![change]).collect();
     (changes, vec![Signal::PressureA, Signal::PressureB])

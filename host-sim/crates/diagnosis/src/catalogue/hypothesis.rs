@@ -141,9 +141,7 @@ impl EffectParameter {
         // A constant force against extending is a negative constant load.
         (self.parameter == Parameter::LoadSpringForce).then_some(Parameter::LoadForce)
     }
-}
 
-impl EffectParameter {
     /// The least usual value of a time whose usual range depends on the length of the recordings; none of any other parameter.
     pub(crate) fn slow_from(&self, scene: &Scene<'_>) -> Option<f64> {
         let Kind::Shape(range, _) = self.kind else { return None };

@@ -10,9 +10,9 @@ mod shape;
 use std::collections::HashSet;
 
 use identification::experiment::Prepared;
-use identification::fit::{Change, Fit, FitError, Sensitivity, StartState, coarse, misfits, set_tolerances, settle};
+use identification::fit::{Change, Fit, FitError, Sensitivity, StartState, coarse, misfits, set_tolerances, settled};
 use identification::parallel;
-use model_core::machine::{Machine, MachineError, Parameter};
+use model_core::machine::{Machine, Parameter};
 use proposals::{Proposal, proposals};
 use shape::{Shape, Unit};
 
@@ -166,11 +166,6 @@ fn solutions(question: &Question<'_>, selection: &Selection) -> Result<Vec<Solut
     };
     all.extend(parallel::try_each(0..question.training.len(), without)?);
     Ok(all)
-}
-
-/// The state that each recording starts from, as it suits a machine best.
-fn settled(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Vec<StartState>, MachineError> {
-    cases.iter().map(|case| settle(machine, case)).collect()
 }
 
 /// The force of a unit amount of a shape on this machine, N; of a structure, its mass, kg.

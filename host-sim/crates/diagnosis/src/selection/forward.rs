@@ -194,21 +194,23 @@ impl Course {
         }
         let effects = candidate.effects.len();
         let Some(rest) = reduced(question, &self.base, candidate, &self.joined)? else { return Ok(None) };
-        if rest.effects.len() < effects {
-            let rest = self.plainest(question, rest)?;
-            if !self.is_likely(question, over, &rest) || !self.stands(question, &rest)? {
-                return Ok(None);
-            }
-            enter(question, over, &mut self.rounds, &rest);
+        if rest.effects.len() == effects {
             return Ok(Some(rest));
         }
+        let rest = self.plainest(question, rest)?;
+        if !self.is_likely(question, over, &rest) || !self.stands(question, &rest)? {
+            return Ok(None);
+        }
+        enter(question, over, &mut self.rounds, &rest);
         Ok(Some(rest))
     }
 
     /// A candidate model that lost effects, or the one with the plainer effect in the place of an extension that no longer earns its place.
     fn plainest(&self, question: &Question<'_>, rest: Candidate) -> Result<Candidate, FitError> {
-        let extends = rest.effects.last().is_some_and(|newest| newest.effect.extends.is_some());
-        let first = if extends { finished(question, &self.base, vec![rest.clone()])?.into_iter().next() } else { None };
+        if rest.effects.last().is_none_or(|newest| newest.effect.extends.is_none()) {
+            return Ok(rest);
+        }
+        let first = finished(question, &self.base, vec![rest.clone()])?.into_iter().next();
         Ok(first.map_or(rest, |(first, _)| first))
     }
 

@@ -90,7 +90,7 @@ pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
 
 /// Puts a candidate model with a sensor's fault before one with physics in its place, where the recordings do not tell the two apart: to look at a sensor
 /// costs less than to open a valve. Asked of drives with tolerances: in those both are within a drawing first.
-pub(crate) fn prefer_sensor(ranked: &mut Vec<(Candidate, f64)>) {
+pub(crate) fn prefer_sensor(ranked: &mut [(Candidate, f64)]) {
     let Some((best, best_net)) = ranked.first() else { return };
     let senses = |chosen: &&Chosen| chosen.effect.subsystem == Subsystem::Sensing;
     let takes_its_place = |other: &Candidate| {
@@ -100,8 +100,7 @@ pub(crate) fn prefer_sensor(ranked: &mut Vec<(Candidate, f64)>) {
     };
     let is_told = |net: f64| best_net - net > LIKELIER_BY;
     if let Some(index) = ranked.iter().position(|(other, net)| !is_told(*net) && takes_its_place(other)) {
-        let (sensor, net) = ranked.remove(index);
-        ranked.insert(0, (sensor, net));
+        ranked[..=index].rotate_right(1);
     }
 }
 

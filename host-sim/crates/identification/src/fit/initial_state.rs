@@ -102,6 +102,11 @@ pub fn settle(machine: &Machine<f64>, case: &Prepared) -> Result<StartState, Mac
     Ok(state)
 }
 
+/// The initial state of each recording, as it suits a machine best.
+pub fn settled(machine: &Machine<f64>, cases: &[&Prepared]) -> Result<Vec<StartState>, MachineError> {
+    cases.iter().map(|case| settle(machine, case)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use model_core::machine::Source;

@@ -33,7 +33,7 @@ pub use coarse::coarse;
 pub use correlation::{CORRELATED, Correlation};
 pub use first_search::{OF_VALVE, first_search, moves_spool, spool_alone};
 pub use free::{Free, Freedom, REACH, REACH_SIGNED};
-pub use initial_state::{StartState, level_at_rest, settle};
+pub use initial_state::{StartState, level_at_rest, settle, settled};
 pub use levenberg_marquardt::Progress;
 pub use normal_equations::NormalEquations;
 pub(crate) use normal_equations::OF_START;

@@ -5,7 +5,7 @@ use model_core::machine::Parameter;
 use super::Fit;
 use super::normal_equations::NormalEquations;
 
-/// The value that was still moving most, in its own standard deviations.
+/// The value that was still moving most, in standard deviations of its prior.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unsettled {
     /// Which.
@@ -39,8 +39,13 @@ impl Fit {
         }
         let (matrix, gradient, _) = NormalEquations::assembled(&self.normal_equations, &self.all_coordinates());
         let step = -matrix.cholesky()?.solve(&gradient);
-        let covariance = NormalEquations::covariance(&self.normal_equations, inflation)?;
-        let moves = |slot: usize| (step[slot] / covariance[(slot, slot)].sqrt()).abs();
+        // At the end of a tolerance the coordinate runs on while the value rests.
+        let moves = |slot: usize| {
+            let (free, at) = (self.free[slot], self.coordinates[slot]);
+            let by =
+                (free.value(at + step[slot]) - free.value(at)).abs() / free.slope(0.0).abs().max(f64::MIN_POSITIVE);
+            if free.at_bound(at) { step[slot].abs() } else { by }
+        };
         let most = (0..self.free.len()).max_by(|&one, &other| moves(one).total_cmp(&moves(other)))?;
         let (free, at) = (self.free[most], self.coordinates[most]);
         let pair =
@@ -60,7 +65,7 @@ mod tests {
     use model_core::machine::Parameter as P;
 
     use super::*;
-    use crate::fit::test_fit;
+    use crate::fit::{Freedom, test_fit};
 
     /// A fit that did not converge.
     fn ended(at: [f64; 3], slopes: [f64; 3]) -> Fit {
@@ -83,6 +88,13 @@ mod tests {
         assert!((found.towards - 12e3).abs() < 1e-6, "{found:?}");
         let most = (P::ViscousFriction.description().max - 1e4) / 1e3 + 1.0;
         assert_eq!(ended([0.0, 0.0, most], [0.0, 0.0, -1e3 * most]).unsettled(1.0).unwrap().why, Unrest::AtBound);
+    }
+
+    #[test]
+    fn a_tolerance_that_is_used_up_rests_however_far_its_coordinate_runs() {
+        let mut fit = ended([0.0, 0.0, 8.0], [1.0, -0.9, -3000.0]);
+        fit.free[2].freedom = Freedom::Within { most: 1e4, is_signed: false };
+        assert_eq!(fit.unsettled(1.0).unwrap().parameter, P::ValveGain);
     }
 
     #[test]

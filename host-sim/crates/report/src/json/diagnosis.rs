@@ -104,7 +104,6 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
     })
 }
 
-/// A cause outside the drive.
 /// Signals that are missed, and by how much.
 fn still_above_noise(misses: &[Miss]) -> Vec<Value> {
     misses
@@ -113,6 +112,7 @@ fn still_above_noise(misses: &[Miss]) -> Vec<Value> {
         .collect()
 }
 
+/// A cause outside the drive.
 fn outside(outside: &Outside) -> Value {
     let each = |key: &'static str| move |(recording, newtons): &(String, f64)| json!({ "recording": recording, key: digits(*newtons, 5) });
     let mut told = match &outside.cause {

@@ -35,15 +35,15 @@ pub fn claimed(finding: &Finding) -> String {
     if names.len() == 1 {
         return names.concat();
     }
-    let count = match names.len() {
-        2 => "two",
-        3 => "three",
-        _ => "these",
+    let which = match names.len() {
+        2 => "which of the two",
+        3 => "which of the three",
+        _ => "which of these",
     };
     let either = names.join(" or ");
     match family(&names) {
-        Some(family) => format!("{family} ({either}; which of the {count} cannot be told)"),
-        None => format!("{either} (which of the {count} cannot be told)"),
+        Some(family) => format!("{family} ({either}; {which} cannot be told)"),
+        None => format!("{either} ({which} cannot be told)"),
     }
 }
 
@@ -109,7 +109,6 @@ pub fn correlation(pair: &Correlation) -> String {
 #[cfg(test)]
 mod tests {
     use diagnosis::catalogue::{CATALOGUE, Hypothesis};
-
     use diagnosis::selection::JumpSpacing;
     use model_core::machine::Parameter;
     use recording::Signal;
@@ -183,6 +182,10 @@ mod tests {
         assert_eq!(
             found("sensor-offset", &[("dead-zone-asymmetry", 0.4)]),
             "sensor-offset or dead-zone-asymmetry (which of the two cannot be told)"
+        );
+        assert_eq!(
+            found("end-stop", &[("valve-leakage", 0.2), ("null-drift", 0.2), ("flow-force", 0.2)]),
+            "end-stop or valve-leakage or null-drift or flow-force (which of these cannot be told)"
         );
     }
 }

@@ -83,19 +83,21 @@ impl Candidate {
     }
 
     /// Whether it may be accepted: it is possible, and amounts that are never small on a real drive are large enough. A stop as soft as a spring is
-    /// no stop, a stiction that only shapes a play is no stiction, a drift of an installed drive that is over sooner than any drift is another transient, and what stays
-    /// within its tolerance is no finding. They are ranked all the same, since nothing less likely may be accepted in their place.
+    /// no stop, a stiction that only shapes a play is no stiction, a drift of an installed drive that is over sooner than any drift is another
+    /// transient, and what stays within its tolerance is no finding. They are ranked all the same, since nothing less likely may be accepted in their
+    /// place.
     #[must_use]
     pub fn is_plausible(&self, question: &Question<'_>) -> bool {
         let scene = question.scene;
         let firm = |effect_parameter: &EffectParameter| match effect_parameter.kind {
             Kind::Firm(_) => self.coordinate(scene, effect_parameter) > FIRM_FROM,
-            _ => !question.has_tolerances() || !self.is_quick(scene, effect_parameter),
+            _ => true,
         };
+        let quick = |own: &EffectParameter| question.has_tolerances() && self.is_quick(scene, own);
         self.is_possible(scene)
             && !self.shapes_a_play()
             && self.effects.iter().all(|chosen| self.is_beyond_tolerance(question, chosen))
-            && self.effects.iter().flat_map(|chosen| chosen.form).all(firm)
+            && self.effects.iter().flat_map(|chosen| chosen.form).all(|own| firm(own) && !quick(own))
     }
 
     /// Whether a time of a slow effect is shorter than any such effect takes.
