@@ -71,6 +71,12 @@ impl<N: Number> Overlap<N> {
     pub(crate) fn beyond(&self, spool: N) -> N {
         (spool - self.extending).max(N::ZERO) + (spool + self.retracting).min(N::ZERO)
     }
+
+    /// Travel from where each direction begins, positive beyond it: extending, retracting.
+    #[inline]
+    pub(crate) fn past_edges(&self, spool: N) -> [N; 2] {
+        [spool - self.extending, -spool - self.retracting]
+    }
 }
 
 /// Pressures of both chambers, per unit of supply pressure.

@@ -6,6 +6,7 @@
 //! listed with the reason.
 
 use std::collections::BTreeMap;
+use std::f64::consts::SQRT_2;
 use std::fmt::Write as _;
 
 use rayon::prelude::*;
@@ -129,6 +130,8 @@ fn flow(effect: FlowEffect, drawn: &Drawn, found: &Machine<f64>) -> Vec<Measured
             of("drop at usual flow", put_in, drop(get(P::ReturnLaminar), get(P::ReturnResistance)))
         }
         FlowEffect::Leakage { opening, .. } => of("opening", opening, get(P::ValveLeakageOpening)),
+        // A sharp edge and a rounded one agree far open: play²/2b more of the one is rounding²/4b more of the other.
+        FlowEffect::RoundedEdges { play, .. } => of("rounding", SQRT_2 * play, get(P::EdgeRounding)),
         FlowEffect::LaminarTransition { pressure_pa } => of("pressure", pressure_pa, get(P::LaminarPressure)),
         FlowEffect::Gain(curve) => {
             // Flow per opening where the valve hardly opens, over that where it opens far.

@@ -52,7 +52,7 @@ fn check(machine: &Machine<f64>, parameter: P, step: f64, one_sided: bool, toler
 }
 
 /// Parameter, a medium value, and the size of its range.
-const SMOOTH: [(P, f64); 17] = [
+const SMOOTH: [(P, f64); 18] = [
     (P::HysteresisWidth, 0.05),
     (P::NullDriftTravel, 0.05),
     (P::NullDriftTime, 0.5),
@@ -69,6 +69,7 @@ const SMOOTH: [(P, f64); 17] = [
     (P::DroopResistance, 3e9),
     (P::ReturnResistance, 3e12),
     (P::ValveLeakageOpening, 0.01),
+    (P::EdgeRounding, 0.02),
     (P::LaminarPressure, 2e4),
 ];
 
@@ -86,7 +87,8 @@ fn derivatives_by_each_effect_are_the_differences_with_all_of_them_on() {
 fn an_effect_at_nil_has_the_derivative_of_its_beginning() {
     let machine = drives::press().with(&[(P::DroopTime, 0.02), (P::SolenoidOnset, 0.2)]);
     for (parameter, size) in SMOOTH {
-        if !matches!(parameter, P::NullDriftTime | P::SolenoidOnset) {
+        // A rounding begins with its square.
+        if !matches!(parameter, P::NullDriftTime | P::SolenoidOnset | P::EdgeRounding) {
             check(&machine, parameter, 1e-5 * size, true, 2e-3);
         }
     }

@@ -21,6 +21,7 @@ fn with_friction() -> impl Strategy<Value = Machine<f64>> {
         let none = [
             P::ValveOffset,
             P::ValveLeakageOpening,
+            P::EdgeRounding,
             P::NullDriftTravel,
             P::InternalLeakage,
             P::ExternalLeakageA,

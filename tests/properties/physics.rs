@@ -104,7 +104,7 @@ pub(crate) fn gentle(mut machine: Machine<f64>) -> Machine<f64> {
 /// Without parts that store energy, or feed a chamber, in a way that [`Store`] does not know: air, volumes that follow the piston, springs,
 /// bristles, edges that are open at the centre, voids (the floor of the pressure pulls the rod back).
 fn storing_nothing_else(machine: &Machine<f64>) -> Machine<f64> {
-    let none = [P::AirShare, P::VolumeShare, P::ValveLeakageOpening];
+    let none = [P::AirShare, P::VolumeShare, P::ValveLeakageOpening, P::EdgeRounding];
     without(machine, &[&none[..], &LOAD, &LUGRE].concat()).with(&[NO_FLOOR])
 }
 

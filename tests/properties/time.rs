@@ -19,6 +19,7 @@ fn at_peace(machine: &Machine<f64>) -> Machine<f64> {
     let none = [
         P::ValveOffset,
         P::ValveLeakageOpening,
+        P::EdgeRounding,
         P::TankPressure,
         P::InternalLeakage,
         P::LoadForce,

@@ -82,6 +82,7 @@ impl SideEffects {
             (P::ReturnResistance, 0.5 * s(8) / (coefficient * coefficient)),
             (P::ValveLeakageOpening, 0.05 * s(9)),
             (P::ValveLeakageReach, decades(reach, 0.01, 0.5)),
+            (P::EdgeRounding, if on(9) { 0.1 * reach } else { 0.0 }),
             (P::LaminarPressure, 0.02 * s(10) * supply_pa * pairs),
             (P::StictionBand, 0.05 * s(STICTION)),
         ] {

@@ -9,10 +9,12 @@ use experiment::standard_tests::StandardTest;
 use identification::compare::judged;
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Source, Tick};
+use recording::display_unit::{significant, unit_for_people};
 use recording::excitation::signals::Excitation;
 use recording::files::atomic::Begun;
 use recording::{Column, Format, Recording, Series, Signal};
 use report::plot;
+use simulation::sensor_fault::sensor_range;
 use simulation::{
     Arithmetic, InChunks, InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_input_point, natural_tick,
 };
@@ -31,7 +33,7 @@ use super::target::{check_targets, unwritten, write};
   host-sim simulate --machine M.toml --input \"step:4V\" --out step.csv
 
 With --recording the file holds one row per recorded row in the recording's own columns and units; the signals that the model
-computes are replaced. Where the recording has none of these, they are added in SI units. A row with a repeated time or an empty
+computes are replaced; where its sensor reached an end of its range, a signal ends there. Where the recording has none of these, they are added in SI units. A row with a repeated time or an empty
 cell keeps what it holds and gets the signals at its time. With --input the drive starts at mid-stroke, at rest, and every signal is
 written in SI units: spool, position, velocity, both pressures, flow into A, force of the oil.
 Inputs: zero:2s  step:4V,0.5s  steps:4V  sweep:6.5V,0.4Hz,5Hz,4s  random:10V,0.08s,0.5s,4s,seed=1  triangle:2V,0.5Hz,4s")]
@@ -120,8 +122,15 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     let mut in_chunks =
         InChunks::new(&file.machine, input_point, file.load_source, tick, arguments.machine.arithmetic.into());
     let mut out = Target::new(&arguments.out)?;
+    let mut ended: Vec<Signal> = Vec::new();
     loop {
-        let advance = in_chunks.part(&part).map_err(failed)?;
+        let mut advance = in_chunks.part(&part).map_err(failed)?;
+        for (signal, note) in within_range(&part.recording, &mut advance.trajectory) {
+            if !ended.contains(&signal) {
+                bar.aside(|| console.note(note));
+                ended.push(signal);
+            }
+        }
         let (replaced, added) = columns(&part.recording, &advance.trajectory);
         let text = part.recording.csv_rows(&arguments.out, advance.rows, &replaced, &added)?;
         bar.aside(|| out.write(&text, console))?;
@@ -176,8 +185,11 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
     let bar = console.share(job.recording.rows() as u64, "simulating");
     let simulated = simulate(&job, &|rows| bar.inc(rows as u64));
     bar.finish_and_clear();
-    let simulated =
+    let mut simulated =
         simulated.map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
+    for (_, note) in within_range(&job.recording, &mut simulated) {
+        console.note(note);
+    }
     let drawing = arguments.plot.as_ref().map(|path| {
         let signals = judged(&job.recording, job.input_point, job.load);
         let panels = plot::panels(&job.recording, job.input_point, &simulated, &signals);
@@ -199,6 +211,33 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
 fn starts_anywhere(recording: &Recording) -> Option<String> {
     let unmeasured = !recording.has(Signal::Position);
     unmeasured.then(|| format!("{}: no position is recorded: the rod starts at mid-stroke", recording.name()))
+}
+
+/// Ends what is simulated where the recorded sensors end, and says so, once for each signal.
+fn within_range(recording: &Recording, simulated: &mut Trajectory) -> Vec<(Signal, String)> {
+    let mut notes = Vec::new();
+    for (signal, values) in &mut simulated.series {
+        let (low, high) = sensor_range(recording, *signal);
+        for value in values.iter_mut() {
+            *value = value.clamp(low, high);
+        }
+        let ends: Vec<String> =
+            [low, high].into_iter().filter(|end| end.is_finite()).map(|end| told(*signal, end)).collect();
+        if !ends.is_empty() {
+            let (name, ends) = (recording.name(), ends.join(" and "));
+            notes.push((
+                *signal,
+                format!("{name}: the sensor of {signal} ends at {ends}, and so does what is simulated of it"),
+            ));
+        }
+    }
+    notes
+}
+
+/// A value of a signal in the unit for people.
+fn told(signal: Signal, value: f64) -> String {
+    let unit = unit_for_people(signal);
+    format!("{} {unit}", significant(unit.from_si(value), 4))
 }
 
 /// The simulated signals in place of the recorded ones, and the additional ones where none was recorded.

@@ -1,7 +1,7 @@
 //! Coefficients of the flow link's effects; `None` where the amount is 0.
 
 use super::Builder;
-use crate::flow::effects::{EdgeEffects, EdgeSizes, GainCurve, ReturnLine, SLOPE_SCALE, ValveLeakage};
+use crate::flow::effects::{EdgeEffects, EdgeSizes, GainCurve, ReturnLine, RoundedEdge, SLOPE_SCALE, ValveLeakage};
 use crate::flow::supply::Droop;
 use crate::machine::{MachineError, Parameter as P};
 use crate::number::relaxation::fineness;
@@ -14,6 +14,9 @@ const OTHER_EDGES: [[P; 2]; 3] = [
     [P::MeteringPorts, P::MeteringDirections],
     [P::MeteringRatio, P::MeteringPorts],
 ];
+
+/// The rounding of an edge that is as good as sharp.
+const SHARP: f64 = 1e-6;
 
 impl<R: Real> Builder<'_, R> {
     /// The dead zone of either side, none below 0.
@@ -40,14 +43,15 @@ impl<R: Real> Builder<'_, R> {
                 self.gain::<N>("return line's laminar pressure drop", P::ReturnLaminar, drop)
             })?,
             leakage: self.unless_nil(P::ValveLeakageOpening, |opening| self.valve_leakage(opening))?,
+            rounding: self.unless_nil(P::EdgeRounding, |rounding| self.rounded_edge(rounding))?,
             droop: self.unless_nil(P::DroopResistance, |resistance| self.droop(resistance))?,
             slope_fraction: self.signal("a slope's scale", P::FlowCoefficient, R::ONE / R::constant(SLOPE_SCALE))?,
             slope_scale: self.steep::<N>("a slope's scale", P::FlowCoefficient, R::constant(SLOPE_SCALE))?,
         };
         self.check_largest_opening::<N>()?;
-        let EdgeEffects { curve, sizes, return_line, half_laminar, leakage, droop, .. } = &effects;
+        let EdgeEffects { curve, sizes, return_line, half_laminar, leakage, rounding, droop, .. } = &effects;
         let returns = return_line.is_some() || half_laminar.is_some();
-        let differ = curve.is_some() || !sizes.are_one() || returns || leakage.is_some();
+        let differ = curve.is_some() || !sizes.are_one() || returns || leakage.is_some() || rounding.is_some();
         Ok((differ || droop.is_some()).then_some(effects))
     }
 
@@ -73,7 +77,8 @@ impl<R: Real> Builder<'_, R> {
         let larger = |most: (R, P), edge: (R, P)| if edge.0.value() > most.0.value() { edge } else { most };
         let (excess, of) =
             OTHER_EDGES.map(|shares| self.edge_excess(shares)).into_iter().fold((R::ZERO, P::FlowGainLinear), larger);
-        let opening = (R::ONE + bent) * (R::ONE + excess) + self.get(P::ValveLeakageOpening);
+        let travel = R::ONE + R::constant(0.5) * self.get(P::EdgeRounding);
+        let opening = travel * (R::ONE + bent) * (R::ONE + excess) + self.get(P::ValveLeakageOpening);
         let of = if excess.value() > bent.value() { of } else { P::FlowGainLinear };
         self.signal::<N>("opening at full travel with its effects", of, opening)?;
         let flow = self.orifice(P::FlowCoefficient) * opening;
@@ -110,6 +115,13 @@ impl<R: Real> Builder<'_, R> {
                 R::ONE / (reach * reach),
             )?,
         })
+    }
+
+    /// A rounding of 0 whose derivative is wanted is as good as none: at the edge of a sharp one there is none.
+    fn rounded_edge<N: Number<Real = R>>(&self, rounding: R) -> Result<RoundedEdge<N>, MachineError> {
+        let sharp = R::constant(SHARP);
+        let rounding = if rounding.value() < SHARP { rounding + sharp } else { rounding };
+        Ok(RoundedEdge { rounding: self.signal("rounding of an edge", P::EdgeRounding, rounding)? })
     }
 
     fn droop<N: Number<Real = R>>(&self, resistance: R) -> Result<Droop<N>, MachineError> {

@@ -125,10 +125,13 @@ macro_rules! effects {
             ValveLeakage "valve-leakage" in Flow {
                 ValveLeakageOpening: "opening", "1", 0.0, 0.5, 0.0, "Opening that supply and tank edges of both ports have at the centre.";
                 ValveLeakageReach: "reach", "1", 4e-3, 1.0, 0.05, "Spool travel from centre over which that opening falls to half.";
+                EdgeRounding: "rounding", "1", 0.0, 0.2, 0.0, "Spool travel over which every edge opens gradually, as its corner is rounded and its spool has play; half of it is open at the edge.";
             } trial {
-                "": ValveLeakageOpening = 0.01;
+                "": ValveLeakageOpening = 0.01, EdgeRounding = 0.01;
+                ", rounded edges alone": EdgeRounding = 0.01;
             } strong {
                 "": ValveLeakageOpening = 0.02, ValveLeakageReach = 0.05;
+                ", rounded edges": EdgeRounding = 0.04;
             }
 
             LaminarTransition "laminar-transition" in Flow {

@@ -71,8 +71,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         filling: Flows<Filling<N>>,
     ) -> (Flows<Linearised<N>>, N) {
         let from = self.openings(effects, spool.from);
-        let started = self.overlap.beyond(spool.from);
-        let way = N::choose(started.equals(N::ZERO), || self.overlap.beyond(spool.to), || started);
+        let started = self.way(effects, spool.from);
+        let way = N::choose(started.equals(N::ZERO), || self.way(effects, spool.to), || started);
         let (across, larger) = (self.across_each(pressures, supply), larger(way, &from, to));
         let ends = from.with(to, |from, to| from.is_nothing() & to.is_nothing());
         let closed = ends.with(&larger, |ends, larger| ends & larger.is_nothing());
@@ -141,14 +141,21 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         })
     }
 
+    /// The direction in which a spool meters, signed like it: 0 in the overlap of sharp edges, and in the middle of rounded ones, of which all are open.
+    #[inline]
+    fn way(&self, effects: &EdgeEffects<N>, spool: N) -> N {
+        if effects.rounding.is_some() {
+            let [extending, retracting] = self.overlap.past_edges(spool);
+            extending - retracting
+        } else {
+            self.overlap.beyond(spool)
+        }
+    }
+
     #[inline]
     fn metered(&self, effects: &EdgeEffects<N>, spool: N) -> Metered<N> {
-        let beyond = self.overlap.beyond(spool);
-        Metered {
-            extending: effects.metered(beyond.max(N::ZERO)),
-            retracting: effects.metered((-beyond).max(N::ZERO)),
-            leaking: effects.leaking(spool),
-        }
+        let [extending, retracting] = effects.metered(self.overlap.past_edges(spool));
+        Metered { extending, retracting, leaking: effects.leaking(spool) }
     }
 
     /// Openings of the edges, flow gain included, none negative.
@@ -246,6 +253,8 @@ fn larger<N: Number>(way: N, from: &Four<N>, to: &Four<N>) -> Four<N> {
         let (supply_b, tank_b) = port((from.supply_b, from.tank_b), (to.supply_b, to.tank_b));
         Four { supply_a, tank_a, supply_b, tank_b }
     };
-    let extends = way.above(N::ZERO);
-    extends.branch(extending, retracting, |yes, no| yes.with(&no, |yes, no| N::pick(extends, yes, no)))
+    let pick = |mask: N::Mask| move |yes: Four<N>, no: Four<N>| yes.with(&no, |yes, no| N::pick(mask, yes, no));
+    let (extends, rests) = (way.above(N::ZERO), way.equals(N::ZERO));
+    let moves = || extends.branch(extending, retracting, pick(extends));
+    rests.branch(|| from.with(to, N::max), moves, pick(rests))
 }

@@ -52,10 +52,8 @@ pub(super) fn installed(truth: &Machine<f64>, servo: bool, hose_m3: f64, dice: &
         let compliance_m3_per_pa = hose_m3 / dice.uniform(0.3e9, 0.8e9);
         all.push(PlantEffect::HoseCompliance { compliance_m3_per_pa, stiffening_pressure_pa: 1e8 });
     }
-    if servo {
-        let (opening, reach) = (dice.uniform(2e-3, 8e-3), dice.uniform(8e-3, 0.015));
-        all.push(PlantEffect::Flow(FlowEffect::Leakage { opening, reach, laminar_pa: 3e5 }));
-    }
+    let play = if servo { dice.uniform(3e-3, 8e-3) } else { dice.uniform(1e-3, 4e-3) };
+    all.push(PlantEffect::Flow(FlowEffect::RoundedEdges { play, laminar_pa: 3e5 }));
     all
 }
 

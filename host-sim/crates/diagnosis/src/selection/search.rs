@@ -128,9 +128,8 @@ fn promising(mut leads: Vec<Lead>, most: usize, least: f64, presses: impl Fn(&Le
         // Another form of the same effect has to come near the best one.
         let another = same.clone().all(|(.., predicted_gain)| lead.gain > NEAR_ITS_BEST_FORM * predicted_gain);
         let keep = same.all(|(_, known, _)| *known != form)
-            && another
             && lead.gain > least
-            && (presses(lead) || lead.gain > PROMISING * best && rank.is_some_and(|rank| rank < most));
+            && (presses(lead) || another && lead.gain > PROMISING * best && rank.is_some_and(|rank| rank < most));
         if keep {
             kept.push((name, form, lead.gain));
         }

@@ -334,15 +334,13 @@ impl Derived {
         self.sigma("valve.transport_delay_s", 0.5 * DEAD_TIME * spool.response_s, "assumed: within a half");
     }
 
-    /// How friction of seals and rounded edges act, whose amounts are tolerances.
+    /// How friction of seals and the gain about null act, whose amounts are tolerances.
     fn shapes(&mut self, size: &Size) {
         let mut roughly = |table, key, whole: &'static str, value: f64, why: &str| {
             self.push(table, key, vec![value], Origin::Assumed, why.to_owned());
             self.sigma(whole, value, "assumed: half to twice as much");
         };
         if size.overlap < ZERO_LAP && !size.pump {
-            let (whole, why) = ("effects.valve-leakage.reach", "rounded edges: a hundredth of the travel");
-            roughly("effects.valve-leakage", "reach", whole, 0.01 * size.rated, why);
             let (whole, why) = ("effects.flow-gain-nonlinearity.notch", "the region about null: 3 % of the travel");
             roughly("effects.flow-gain-nonlinearity", "notch", whole, 0.03 * size.rated, why);
         }

@@ -32,7 +32,7 @@ pub(super) struct Size {
 /// Largest dry friction of good seals, as a share of full force.
 const SEALS: f64 = 0.04;
 /// Break-away beyond that.
-const BREAK_AWAY: f64 = 0.04;
+const BREAK_AWAY: f64 = 0.025;
 /// Reading of a pressure sensor at no pressure, as a share of the supply.
 const PRESSURE_OFFSET: f64 = 0.0075;
 /// Least modulus of a hose, Pa.
@@ -59,7 +59,7 @@ impl Size {
                 "hoses yield: 0.2 GPa at the softest",
             ),
             ("effects.stribeck-friction.force_n", SEALS * force_n, "good seals: up to 4 % of full force"),
-            ("effects.stribeck-friction.excess_n", BREAK_AWAY * force_n, "and as much more to break away"),
+            ("effects.stribeck-friction.excess_n", BREAK_AWAY * force_n, "and up to 2.5 % more to break away"),
             ("effects.position-sensor-lag.time_constant_s", 4e-3, "a position sensor's filter: 1 to 3 ms"),
             (
                 "effects.sensor-offset.pressure_a_pa",
@@ -95,9 +95,15 @@ impl Size {
             ]);
             if self.overlap < ZERO_LAP {
                 all.extend([
-                    ("effects.valve-leakage.opening", 0.02 * rated, "edges of a zero-lapped valve are rounded"),
+                    ("effects.valve-leakage.rounding", 0.02 * rated, "corners and play of 10 µm on a travel of 0.5 mm"),
                     ("effects.flow-gain-nonlinearity.beyond", 1.0, "about null, half to twice the gain of further out"),
                 ]);
+            } else {
+                all.push((
+                    "effects.valve-leakage.rounding",
+                    0.01 * rated,
+                    "corners and play of 10 to 20 µm on a travel of some mm",
+                ));
             }
         }
         let listed = all.into_iter().filter(|(_, value, _)| *value > 0.0 && value.is_finite());

@@ -87,6 +87,7 @@ fn orifices(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(Stri
             flow(drive, 2.0 * each, &format!("from supply to tank {at_supply}, spool at its centre"))
         }
         P::ValveLeakageReach => said(percent(value), "of full spool travel, where half of it is left"),
+        P::EdgeRounding => said(percent(value), "of full spool travel, over which an edge opens gradually"),
         P::LaminarPressure => said(bar(drive.get(P::LaminarTransition) + value), "below which the flow is laminar"),
         P::PumpSlip => flow(drive, value * supply_pa, &at_supply),
         P::DroopTime => (time(value), String::new()),

@@ -37,6 +37,7 @@ pub fn tolerated_thing(parameter: Parameter) -> &'static str {
         P::DroopResistance => "droop of the supply",
         P::ReturnResistance | P::ReturnLaminar => "back pressure of the return line",
         P::ValveLeakageOpening => "leakage of the valve at its centre",
+        P::EdgeRounding => "rounding of the valve's edges",
         P::InternalLeakage => "leakage past the piston",
         P::AirShare => "air in the oil",
         P::HoseCompliance => "compliance of the hoses",

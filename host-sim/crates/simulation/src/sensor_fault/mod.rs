@@ -19,7 +19,7 @@ use spikes::spikes;
 
 use recording::{Recording, Signal};
 
-use crate::signal::noise::{noise, resolution};
+use crate::signal::noise::{extent, noise, resolution};
 
 pub use range_ends::RangeEnd;
 
@@ -151,6 +151,27 @@ pub fn bridged(recorded: &[f64], failed: &[bool]) -> Vec<f64> {
         row = end;
     }
     values
+}
+
+/// Between which readings a sensor works, as far as the recording shows: infinite where it shows no end.
+///
+/// The pressure sensors of both chambers are alike: where one is seen to end, the other that never reads beyond ends as well.
+#[must_use]
+pub fn sensor_range(recording: &Recording, signal: Signal) -> (f64, f64) {
+    let unlimited = (f64::NEG_INFINITY, f64::INFINITY);
+    let Some(read) = recording.signal(signal).filter(|_| MEASURED.contains(&signal)) else { return unlimited };
+    let alike: &[Signal] = match signal {
+        Signal::PressureA | Signal::PressureB => &[Signal::PressureA, Signal::PressureB],
+        _ => &[signal],
+    };
+    let values = alike.iter().filter_map(|&signal| Some((signal, recording.signal(signal)?)));
+    let ends: Vec<f64> = values
+        .flat_map(|(signal, values)| Failures::of(signal, recording.time_s(), values).ends)
+        .map(|end| end.reading)
+        .collect();
+    let (low, high) = extent(read);
+    let seen = |extreme: f64, without: f64| if ends.contains(&extreme) { extreme } else { without };
+    (seen(low, unlimited.0), seen(high, unlimited.1))
 }
 
 /// Measured signals that a simulation may start from or be driven by. A command is not measured: its jumps are intended.

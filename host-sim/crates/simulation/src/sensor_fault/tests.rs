@@ -176,6 +176,30 @@ fn readings_at_an_end_of_a_range_lack_their_noise() {
 }
 
 #[test]
+fn both_pressure_sensors_have_one_range() {
+    let (time_s, pressure) = noisy();
+    let a = cut(&pressure, 0.0, 3.5e6);
+    // B reaches the end for a moment only.
+    let mut b: Vec<f64> = pressure.iter().map(|pa| pa.min(3.3e6)).collect();
+    b[700..710].fill(3.5e6);
+    let column = |signal, values: &[f64]| recording::Column::si(signal, values.to_vec());
+    let columns = vec![
+        column(Signal::Time, &time_s),
+        column(Signal::Command, &vec![0.0; time_s.len()]),
+        column(Signal::PressureA, &a),
+        column(Signal::PressureB, &b),
+    ];
+    assert_eq!(ends(Signal::PressureB, &b), []);
+    let recording = Recording::new("a run", columns).unwrap();
+    for signal in [Signal::PressureA, Signal::PressureB] {
+        assert_eq!(sensor_range(&recording, signal), (f64::NEG_INFINITY, 3.5e6), "{signal}");
+    }
+    for signal in [Signal::Command, Signal::Position] {
+        assert_eq!(sensor_range(&recording, signal), (f64::NEG_INFINITY, f64::INFINITY), "{signal}");
+    }
+}
+
+#[test]
 fn the_noise_of_a_sensor_is_that_of_the_rows_within_its_range() {
     let (time_s, pressure) = noisy();
     let clipped = cut(&pressure, 0.0, 2.7e6);

@@ -47,6 +47,14 @@ pub enum FlowEffect {
         /// Pressure difference up to which the gap is laminar, Pa.
         laminar_pa: f64,
     },
+    /// No edge is sharp, and the spool has play in its bore: an open edge is as wide as the hypotenuse of travel and play, and through the play of a
+    /// covered one oil leaks the less the longer its overlap, in laminar flow up to a pressure difference.
+    RoundedEdges {
+        /// Play, and radius of the corners, in spool travel.
+        play: f64,
+        /// Pressure difference up to which the gap is laminar, Pa.
+        laminar_pa: f64,
+    },
     /// Sharp edges are laminar up to a pressure difference: a laminar and a turbulent resistance in series.
     LaminarTransition {
         /// Pressure difference at which both take the same share, Pa.
@@ -71,7 +79,7 @@ impl FlowEffect {
             Self::Metering { .. } => "metering-asymmetry",
             Self::SupplyDroop { .. } => "supply-droop",
             Self::BackPressure { .. } => "tank-back-pressure",
-            Self::Leakage { .. } => "valve-leakage",
+            Self::Leakage { .. } | Self::RoundedEdges { .. } => "valve-leakage",
             Self::LaminarTransition { .. } => "laminar-transition",
             Self::PumpRipple { .. } => "~pump-ripple",
         }
@@ -99,7 +107,7 @@ impl FlowEffect {
                 edges.return_line = SeriesLine { linear: linear_pa_s_per_m3, quadratic: quadratic_pa_s2_per_m6 };
             }
             Self::LaminarTransition { pressure_pa } => edges.laminar_pa = pressure_pa,
-            Self::Leakage { .. } | Self::PumpRipple { .. } => {}
+            Self::Leakage { .. } | Self::RoundedEdges { .. } | Self::PumpRipple { .. } => {}
         }
     }
 
@@ -147,6 +155,22 @@ impl FlowEffect {
                 let through = |port: R| flow(state.supply - port) - flow(port - tank);
                 terms.into_a = terms.into_a + through(state.pressure_a);
                 terms.into_b = terms.into_b + through(state.pressure_b);
+            }
+            Self::RoundedEdges { play, laminar_pa } => {
+                let [extending, retracting] = edges.dead_zone;
+                // What an edge passes beyond a sharp one, by the travel past it.
+                let more = |past: f64| {
+                    let opening = if past > 0.0 { past.hypot(play) - past } else { play / (1.0 - 0.5 * past / play) };
+                    edges.coefficient * opening
+                };
+                let (out, back) = (more(inputs.spool - extending), more(-inputs.spool - retracting));
+                let [supply_a, b_tank, supply_b, a_tank] = edges.sizes;
+                let flow = |gap: f64, across: R| signed_root(across, laminar_pa) * gap;
+                let tank = inputs.tank_pressure_pa;
+                terms.into_a = terms.into_a + flow(out * supply_a, state.supply - state.pressure_a)
+                    - flow(back * a_tank, state.pressure_a - tank);
+                terms.into_b = terms.into_b + flow(back * supply_b, state.supply - state.pressure_b)
+                    - flow(out * b_tank, state.pressure_b - tank);
             }
             _ => {}
         }

@@ -20,7 +20,7 @@ pub fn truth_near(nominal: &Machine<f64>, sigma: &BTreeMap<Parameter, f64>, spre
 }
 
 /// Parameters that were added to the table later, between others.
-const LATER: [Parameter; 14] = [
+const LATER: [Parameter; 15] = [
     Parameter::LevelAtRest,
     Parameter::ViscosityLossPerKelvin,
     Parameter::ReferenceTemperature,
@@ -35,6 +35,7 @@ const LATER: [Parameter; 14] = [
     Parameter::SpoolSpeedLimit,
     Parameter::VolumeFollows,
     Parameter::SpeedOverdrive,
+    Parameter::EdgeRounding,
 ];
 
 /// A random stream for each parameter; the first streams belong to the sensors. Parameters that were added later do not shift the streams of

@@ -172,21 +172,45 @@ impl Candidate {
             self.vanished(question.scene).into_iter().chain(self.stranded(question.scene)).collect();
         let again = if lost.is_empty() { self } else { self.or_from(question, &lost)? };
         // Where much is free, a model without the effect leads the base parameters to places from which no search comes back.
-        if again.is_pulled(question) && question.has_tolerances() { again.or_from_nominal(question) } else { Ok(again) }
+        let astray = |candidate: &Self| candidate.is_pulled(question) && question.has_tolerances();
+        if !astray(&again) {
+            return Ok(again);
+        }
+        let found = again.or_from_nominal(question, again.effects.clone())?;
+        if astray(&found) { found.or_elsewhere(question) } else { Ok(found) }
     }
 
-    /// This candidate model, or the one that a refit from the nominal base parameters ends at, if its loss is smaller. That refit goes to the end only
-    /// where it comes below this one's loss.
-    fn or_from_nominal(self, question: &Question<'_>) -> Result<Self, FitError> {
+    /// This candidate model, or the one with another form of one of its effects that presses against the end of its tolerance beside it, if its loss is
+    /// smaller: of two pressure sensors the wrong one was taken.
+    fn or_elsewhere(self, question: &Question<'_>) -> Result<Self, FitError> {
+        let mut best = self;
+        for index in 0..best.effects.len() {
+            let Some(&Chosen { effect, form }) = best.effects.get(index) else { continue };
+            let others: Vec<Form> =
+                effect.forms_in(question.scene).filter(|other| other.as_ptr() != form.as_ptr()).collect();
+            for form in others {
+                if best.presses(question, effect, form) {
+                    let mut effects = best.effects.clone();
+                    effects[index] = Chosen { effect, form };
+                    best = best.or_from_nominal(question, effects)?;
+                }
+            }
+        }
+        Ok(best)
+    }
+
+    /// This candidate model, or the one that a refit with these effects from the nominal base parameters ends at, if its loss is smaller. That refit goes
+    /// to the end only where it comes below this one's loss.
+    fn or_from_nominal(&self, question: &Question<'_>, effects: Vec<Chosen>) -> Result<Self, FitError> {
         let values: Vec<_> = question.base_parameters.iter().map(|free| (free.parameter, free.value(0.0))).collect();
         let coarser = coarse(question.training, &self.fit.machine, &self.fit.starts)?;
         let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::Nearly(&coarser) };
-        let near = Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)?;
+        let near = Self::refitted(question, effects, self.jumps.clone(), &from)?;
         if near.fit.loss >= self.fit.loss {
-            return Ok(self);
+            return Ok(self.clone());
         }
         let again = near.again_from(question, &[])?;
-        Ok(if again.fit.loss < self.fit.loss { again } else { self })
+        Ok(if again.fit.loss < self.fit.loss { again } else { self.clone() })
     }
 
     /// This candidate model, or the one that a refit from these values of some of its parameters ends at, if its loss is smaller.
