@@ -1,7 +1,7 @@
 use identification::fit::{Freedom, StartState, effective_samples};
 use machine_file::LoadSource;
 use recording::Signal;
-use test_press::{extending, press};
+use test_press::{extending, press, recorded};
 
 use super::*;
 use crate::catalogue::CATALOGUE;
@@ -100,4 +100,35 @@ fn without_an_effect_a_base_parameter_has_what_that_had_of_it() {
     assert!((found.get(Parameter::LoadForce) - 500.0).abs() < 50.0, "{} N", found.get(Parameter::LoadForce));
     assert!(found.get(Parameter::LoadSpringForce) == 0.0 && without.effects.is_empty());
     assert!(without.worst_over_noise(&question) < 1.05, "{}", without.worst_over_noise(&question));
+}
+
+#[test]
+fn of_two_pressure_sensors_the_one_that_presses_against_its_tolerance_is_tried_in_place_of_the_other() {
+    // A reads 8 bar too little. The offset of B was taken for it, as far as the load and A's own tolerance let it.
+    let machine = press(&[(Parameter::ViscousFriction, 4e4)]);
+    let noise = [(Signal::PressureA, 1e4), (Signal::PressureB, 1e4), (Signal::Position, 1e-5)];
+    let truth = machine.with(&[(Parameter::PressureAOffset, -8e5)]);
+    let case = Prepared::new(&recorded(&truth, &noise), &machine, LoadSource::Constant, None).unwrap();
+    let training = [&case];
+    let scene = scene(&machine, &[Signal::Position, Signal::PressureA, Signal::PressureB]);
+    let within = |parameter| Free { parameter, freedom: Freedom::Within { most: 5e4, is_signed: true } };
+    let load = Free { parameter: Parameter::LoadForce, freedom: Freedom::Around { nominal: 0.0, sigma: 50.0 } };
+    let base = [load, within(Parameter::PressureAOffset), within(Parameter::PressureBOffset)];
+    let question = Question { scene: &scene, base_parameters: &base, hypotheses: &[], training: &training };
+    let effect = CATALOGUE.iter().find(|effect| effect.name == "sensor-offset").unwrap();
+    let of_b = effect.forms.iter().find(|form| form[0].parameter == Parameter::PressureBOffset).unwrap();
+    let wrong = machine.with(&[
+        (Parameter::PressureAOffset, -4.95e4),
+        (Parameter::PressureBOffset, 6e5),
+        (Parameter::LoadForce, 900.0),
+    ]);
+    let mut candidate = accepted_alone("sensor-offset", &scene, &base[..2], &wrong);
+    candidate.effects = vec![Chosen { effect, form: of_b }];
+    candidate.fit.free = base[..2].iter().copied().chain(of_b.iter().map(|offset| offset.free(&scene))).collect();
+    candidate.fit.coordinates =
+        candidate.fit.free.iter().map(|free| free.coordinate(wrong.get(free.parameter))).collect();
+    let found = candidate.finished(&question).unwrap().fit.machine;
+    let read = |parameter| found.get(parameter);
+    assert!((read(Parameter::PressureAOffset) + 8e5).abs() < 2e4, "{} Pa", read(Parameter::PressureAOffset));
+    assert!(read(Parameter::PressureBOffset).abs() < 2e4, "{} Pa", read(Parameter::PressureBOffset));
 }
