@@ -28,7 +28,8 @@ struct Derived {
 fn derived(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P) -> Vec<[Derived; 5]> {
     let by = [By { parameter, value: machine.get(parameter), slope: 1.0 }];
     let offset = StartOffset::none();
-    let run = Derivatives { machine, by: &by, offset, level_slope: 0.0, stimulus, signals: &SIGNALS };
+    let run =
+        Derivatives { machine, by: &by, offset, level_slope: 0.0, shift_slope_m: 0.0, stimulus, signals: &SIGNALS };
     let mut rows: Vec<[Derived; 5]> = Vec::new();
     run.run(&mut |row, place, found| {
         rows.resize(row + 1, [Derived::default(); 5]);
@@ -37,6 +38,29 @@ fn derived(machine: &Machine<f64>, stimulus: &Stimulus, parameter: P) -> Vec<[De
     })
     .unwrap();
     rows
+}
+
+/// The derivative of the position by the start's shift, at the last row: all of the shift, where the sensor goes along or is pushed.
+fn by_shift(machine: &Machine<f64>, stimulus: &Stimulus, shift_m: f64) -> (f64, f64) {
+    let offset = StartOffset { shift_m, ..StartOffset::none() };
+    let signals = [Signal::Position];
+    let run =
+        Derivatives { machine, by: &[], offset, level_slope: 0.0, shift_slope_m: 1.0, stimulus, signals: &signals };
+    let mut slopes = Vec::new();
+    run.run(&mut |_, _, found| slopes.push(f64::from(found.unwrap().1[1]))).unwrap();
+    (slopes[0], slopes[slopes.len() - 1])
+}
+
+#[test]
+fn the_start_within_a_play_moves_what_the_sensor_shows_once_it_is_pushed() {
+    let case = valve_case(31, None, true, None);
+    let mut machine = case.file.machine;
+    let prepared = Prepared::new(&case.training[0], &machine, case.file.load_source, None).unwrap();
+    let (first, last) = by_shift(&machine, &prepared.stimulus, 0.0);
+    assert!((first - 1.0).abs() < 1e-6 && (last - 1.0).abs() < 0.2, "{first} {last}");
+    machine.set(P::BacklashPlay, 1e-3);
+    let (first, last) = by_shift(&machine, &prepared.stimulus, 3e-4);
+    assert!(first.abs() < 1e-6 && (last - 1.0).abs() < 0.2, "{first} {last}");
 }
 
 /// Values agree to the last bit. Derivatives agree within 1e-4 of the signal's largest one, against central differences of a step so small

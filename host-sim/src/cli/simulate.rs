@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 
 use experiment::standard_tests::StandardTest;
 use identification::compare::judged;
+use identification::experiment::Prepared;
+use identification::fit::settle;
 use machine_file::LoadSource;
-use model_core::machine::{Machine, Source, Tick};
+use model_core::machine::{Machine, Parameter, Source, Tick};
 use recording::display_unit::{significant, unit_for_people};
 use recording::excitation::signals::Excitation;
 use recording::files::atomic::Begun;
@@ -119,8 +121,13 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
     let input_point = first_input_point(file.machine.source, &part.recording).map_err(failed)?;
     let tick = arguments.machine.tick().unwrap_or_else(|| natural_tick(&part.recording));
+    let start = start_in_play(&file.machine, &part.recording, file.load_source, tick);
+    if let Some(note) = start.and_then(|start| told_start(&part.recording, start)) {
+        bar.aside(|| console.note(note));
+    }
     let mut in_chunks =
-        InChunks::new(&file.machine, input_point, file.load_source, tick, arguments.machine.arithmetic.into());
+        InChunks::new(&file.machine, input_point, file.load_source, tick, arguments.machine.arithmetic.into())
+            .starting(start.unwrap_or(StartOffset::none()));
     let mut out = Target::new(&arguments.out)?;
     let mut ended: Vec<Signal> = Vec::new();
     loop {
@@ -182,8 +189,12 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
     for note in input::notes(&job.recording, &job.machine).chain(starts_anywhere(&job.recording)) {
         console.note(note);
     }
+    let start = start_in_play(&job.machine, &job.recording, job.load, job.tick);
+    if let Some(note) = start.and_then(|start| told_start(&job.recording, start)) {
+        console.note(note);
+    }
     let bar = console.share(job.recording.rows() as u64, "simulating");
-    let simulated = simulate(&job, &|rows| bar.inc(rows as u64));
+    let simulated = simulate(&job, start.unwrap_or(StartOffset::none()), &|rows| bar.inc(rows as u64));
     bar.finish_and_clear();
     let mut simulated =
         simulated.map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
@@ -205,6 +216,30 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
         write(path, svg)?;
     }
     Ok(())
+}
+
+/// Where in the play of its sensor the rod starts: no sensor shows it, and what was recorded tells it as soon as the rod has moved through the play.
+/// `None` without a play, or where nothing is recorded that tells it.
+fn start_in_play(machine: &Machine<f64>, recording: &Recording, load: LoadSource, tick: Tick) -> Option<StartOffset> {
+    if machine.get(Parameter::BacklashPlay) <= 0.0 || !recording.has(Signal::Position) {
+        return None;
+    }
+    // A recording that cannot be judged is simulated all the same, from the middle of the play.
+    let case = Prepared::new(recording, machine, load, Some(tick)).ok()?;
+    Some(settle(machine, &case).ok()?.offset(machine, &case))
+}
+
+/// What is said of it.
+fn told_start(recording: &Recording, start: StartOffset) -> Option<String> {
+    let off_mm = 1e3 * start.shift_m;
+    let side = if off_mm < 0.0 { "retracted" } else { "extended" };
+    let size = significant(off_mm.abs(), 2);
+    (off_mm != 0.0).then(|| {
+        format!(
+            "{}: the rod starts {size} mm on the {side} side of the middle of its play, as the recording tells",
+            recording.name()
+        )
+    })
 }
 
 /// A note where the rod starts if its position was not measured.
@@ -300,7 +335,7 @@ fn response(input: &Recording, simulated: &Trajectory) -> Result<Recording, CliE
     Ok(Recording::new("the response", given.chain(computed).collect())?)
 }
 
-fn simulate(job: &Job, told: &dyn Fn(usize)) -> Result<Trajectory, SimulateError> {
+fn simulate(job: &Job, start: StartOffset, told: &dyn Fn(usize)) -> Result<Trajectory, SimulateError> {
     let stimulus = Stimulus::new(&job.recording, &job.machine, job.input_point, job.load, job.tick)?;
-    job.arithmetic.simulate_with_progress(&job.machine, &stimulus, StartOffset::none(), told)
+    job.arithmetic.simulate_with_progress(&job.machine, &stimulus, start, told)
 }

@@ -5,7 +5,7 @@ use crate::chambers::cavitation::Unsprung;
 use crate::coefficients::bases::{SLIPPERIEST, least_drag, thinnest};
 use crate::machine::{Bases, Machine, MachineError, Parameter as P};
 use crate::mechanics::end_stop::{Face, Stops};
-use crate::mechanics::friction::{DryFriction, Placed, PlacedDrag, Stribeck};
+use crate::mechanics::friction::{DryFriction, Placed, PlacedDrag, STRIBECK_WIDTH, Stribeck};
 use crate::mechanics::lugre::{Bend, Bristles};
 use crate::mechanics::position_load::{PositionLoad, Signed};
 use crate::mechanics::{GAMMA, MechanicalEffects, Mechanics, Resistance, Row};
@@ -162,7 +162,8 @@ impl<R: Real> Builder<'_, R> {
             .into_iter()
             .fold(P::CoulombFriction, |most, of| if self.get(of).value() > self.get(most).value() { of } else { most });
         let stribeck = if self.is_on(&[P::StribeckExcess]) {
-            let per_velocity = R::constant(self.bases.velocity_m_per_s) / self.get(P::StribeckVelocity);
+            let per_velocity =
+                R::constant(STRIBECK_WIDTH * self.bases.velocity_m_per_s) / self.get(P::StribeckVelocity);
             Some(Stribeck {
                 excess: force(P::StribeckExcess)?,
                 per_velocity: self.steep::<N>("inverse of the Stribeck velocity", P::StribeckVelocity, per_velocity)?,

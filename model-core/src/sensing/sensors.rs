@@ -67,7 +67,7 @@ impl<N: Number> Reading<N> {
 pub struct SensedState<N: Number, const DELAY: usize> {
     /// Position at the state's start, strokes: the gain error is relative to it.
     origin: N,
-    /// Output of the play, strokes. At the start the rod stands in the middle of its play.
+    /// Output of the play, strokes. At the start the rod stands in the middle of its play, unless the sensor is told to [`show`](Self::show) otherwise.
     played: N,
     /// By how much the lag's output is behind.
     behind: N,
@@ -100,6 +100,11 @@ impl<N: Number, const DELAY: usize> SensedState<N, DELAY> {
     pub(crate) fn at_rest(position: N::Travel) -> Self {
         let origin = N::of_travel(position);
         Self { origin, played: origin, behind: N::ZERO, line: [origin; DELAY], head: 0, position: origin }
+    }
+
+    /// The rod stands beside the middle of its play: the sensor shows this position, strokes.
+    pub fn show(&mut self, reading: N) {
+        (self.origin, self.played, self.position, self.line) = (reading, reading, reading, [reading; DELAY]);
     }
 
     /// The rod has moved evenly for longer than the lag: its output differs by this from the position, strokes.

@@ -1,7 +1,7 @@
 //! From a recording to what a fit and a verdict need of it: the stimulus, the judged signals, and the noise in each.
 
 use machine_file::LoadSource;
-use model_core::machine::{Machine, Source, Tick};
+use model_core::machine::{Machine, Parameter, Source, Tick};
 use recording::{Recording, Signal};
 use simulation::sensor_fault::{Failures, Mended, RangeEnd, Stretch, bridged};
 use simulation::signal::noise::{extent, noise, resolution};
@@ -116,13 +116,16 @@ pub struct Prepared {
     pub time_s: Vec<f64>,
     /// What drives the model.
     pub stimulus: Stimulus,
+    /// The tick at which the controller is to carry what is fitted: the stimulus' own, but of a copy for a first estimate.
+    pub tick: Tick,
     /// The judged signals in the chain's order.
     pub channels: Vec<JudgedSignal>,
     /// Measured signals whose sensors failed, judged or not.
     pub failures: Vec<(Signal, Failures)>,
     /// Rows at the beginning that are not judged, as the recording does not begin at rest and not all of its state is measured.
     pub unsettled: usize,
-    /// Standard deviation of the initial position, m: what its sensor leaves open, and where the start is not known, the travel meanwhile.
+    /// Standard deviation of the initial position, m: what its sensor leaves open, and where the start is not known, the travel meanwhile. A play
+    /// leaves [more](Self::start_sigma_on) open.
     pub start_sigma_m: f64,
     /// Standard deviation of the noise of the recorded spool, flow or force that drives the model, SI; 0 where a command or a
     /// pump's speed drives it, as these are set.
@@ -194,6 +197,7 @@ impl Prepared {
             name: recording.name().to_owned(),
             time_s: recording.time_s().to_vec(),
             stimulus,
+            tick,
             channels,
             failures: mended.failures,
             unsettled,
@@ -212,6 +216,18 @@ impl Prepared {
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
+    }
+
+    /// Standard deviation of the rod's initial position on a machine, m: in which half of a play it stands, no sensor shows.
+    #[must_use]
+    pub fn start_sigma_on(&self, machine: &Machine<f64>) -> f64 {
+        /// Plays are 0.1 to 2 mm wide; this is half of the usual one. It is the same for every width, so that no derivative depends on it.
+        const WITHIN_PLAY_M: f64 = 5e-4;
+        if machine.get(Parameter::BacklashPlay) > 0.0 {
+            self.start_sigma_m.hypot(WITHIN_PLAY_M)
+        } else {
+            self.start_sigma_m
+        }
     }
 
     /// The same with the recorded spool metering the oil, where the command drives the valve and the spool is judged: the

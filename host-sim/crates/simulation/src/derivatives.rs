@@ -8,11 +8,13 @@ use crate::number::dual::{BLOCK, Dual};
 use crate::run::run;
 use crate::stimulus::Stimulus;
 
-/// Number of derivatives in the largest dual number: for every parameter and the level of a start.
+/// Number of derivatives in the largest dual number: for every parameter, and for the level and the shift of a start.
 const MOST_SLOTS: usize = 64;
+/// Those of a start.
+const OF_START: usize = 2;
 
 /// Largest number of parameters for which one run computes derivatives.
-pub const MOST_PARAMETERS: usize = MOST_SLOTS - 1;
+pub const MOST_PARAMETERS: usize = MOST_SLOTS - OF_START;
 
 /// A parameter with respect to which derivatives are computed, through a coordinate of the caller's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,13 +38,15 @@ pub struct Derivatives<'a> {
     pub offset: StartOffset,
     /// Derivative of the start's level with respect to its coordinate; 0 where the start's pressures are recorded.
     pub level_slope: f64,
+    /// Derivative of the start's shift with respect to its coordinate, m; 0 where no position is recorded.
+    pub shift_slope_m: f64,
     /// What drives it.
     pub stimulus: &'a Stimulus,
     /// The signals that are wanted.
     pub signals: &'a [Signal],
 }
 
-/// A signal at one row: its value, SI, and its derivatives with respect to every coordinate and to that of the start's level.
+/// A signal at one row: its value, SI, and its derivatives with respect to every coordinate and to those of the start's level and shift.
 pub type Derived<'a> = Option<(f64, &'a [f32])>;
 
 impl Derivatives<'_> {
@@ -50,17 +54,20 @@ impl Derivatives<'_> {
     /// the model does not compute it. The values equal those of an f64 run to the last bit.
     pub fn run(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
         match self.by.len() {
-            0..16 => self.in_vectors::<2>(sink),
-            16..24 => self.in_vectors::<3>(sink),
-            24..40 => self.in_vectors::<5>(sink),
+            0..=14 => self.in_vectors::<2>(sink),
+            15..=22 => self.in_vectors::<3>(sink),
+            23..=38 => self.in_vectors::<5>(sink),
             _ => self.in_vectors::<{ MOST_SLOTS / BLOCK }>(sink),
         }
     }
 
     fn in_vectors<const B: usize>(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
-        let slots = self.by.len() + 1;
-        let level = self.offset.level.map(|level| Dual::<B>::variable(level, slots - 1, self.level_slope));
-        let offset = Offset { level, shift_m: Dual::constant_of(self.offset.shift_m) };
+        let slots = self.by.len() + OF_START;
+        let [level, shift] = [slots - 2, slots - 1];
+        let offset = Offset {
+            level: self.offset.level.map(|value| Dual::<B>::variable(value, level, self.level_slope)),
+            shift_m: Dual::<B>::variable(self.offset.shift_m, shift, self.shift_slope_m),
+        };
         run::<Dual<B>>(&self.lifted(), self.stimulus, offset, &mut |row, sample| {
             for (place, &signal) in self.signals.iter().enumerate() {
                 let found = sample.signal(signal);

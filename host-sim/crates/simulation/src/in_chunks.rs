@@ -31,6 +31,7 @@ pub struct InChunks {
     input_point: InputPoint,
     load: LoadSource,
     tick: Tick,
+    start: StartOffset,
     going: Going,
 }
 
@@ -75,13 +76,19 @@ impl InChunks {
             Arithmetic::Fixed => Going::Fixed(None),
             Arithmetic::Float => Going::Float(None),
         };
-        Self { machine: *machine, input_point, load, tick, going }
+        Self { machine: *machine, input_point, load, tick, start: StartOffset::none(), going }
+    }
+
+    /// The same with another start than the first row's.
+    #[must_use]
+    pub fn starting(self, start: StartOffset) -> Self {
+        Self { start, ..self }
     }
 
     /// Simulates the next part: all of it if it is the last, otherwise some rows less.
     pub fn part(&mut self, part: &Part) -> Result<Advance, SimulateError> {
-        let Self { machine, input_point, load, tick, going } = self;
-        let next = Next { machine, input_point: *input_point, load: *load, tick: *tick, part };
+        let Self { machine, input_point, load, tick, start, going } = self;
+        let next = Next { machine, input_point: *input_point, load: *load, tick: *tick, start: *start, part };
         match going {
             Going::Fixed(led) => next.from(led),
             Going::Float(led) => next.from(led),
@@ -95,6 +102,7 @@ struct Next<'a> {
     input_point: InputPoint,
     load: LoadSource,
     tick: Tick,
+    start: StartOffset,
     part: &'a Part,
 }
 
@@ -117,7 +125,7 @@ impl Next<'_> {
         let drive = Drive::<N>::new::<DELAY_LINE>(&machine, self.tick)?;
         let mut state = match led.take() {
             Some(led) => led.state,
-            None => at_start(&drive, &machine, &stimulus.start, StartOffset::none().lifted()),
+            None => at_start(&drive, &machine, &stimulus.start, self.start.lifted()),
         };
         run_on(&drive, &machine, &stimulus, &mut state, &mut |row, sample| {
             if row >= begun {
@@ -188,14 +196,15 @@ mod tests {
         let whole = read_from("run.csv", text.as_bytes(), &ChannelMap::default()).unwrap();
         let load = LoadSource::Constant;
         let stimulus = Stimulus::new(&whole, &machine, input_point, load, tick).unwrap();
-        let simulated = arithmetic.simulate(&machine, &stimulus, StartOffset::none()).unwrap();
+        let start = StartOffset { shift_m: 1e-3, ..StartOffset::none() };
+        let simulated = arithmetic.simulate(&machine, &stimulus, start).unwrap();
         let position = simulated.signal(Signal::Position).unwrap();
         assert!(position.iter().any(|there| (there - position[0]).abs() > 1e-4), "{input_point:?} moves the rod");
         let expected = written(&whole, 0..whole.rows(), &simulated);
 
         for usual_rows in [3500, 5003, 100_000] {
-            let (mut parts, mut in_chunks) =
-                (parts(text, usual_rows), InChunks::new(&machine, input_point, load, tick, arithmetic));
+            let mut parts = parts(text, usual_rows);
+            let mut in_chunks = InChunks::new(&machine, input_point, load, tick, arithmetic).starting(start);
             let (mut found, mut count) = (String::new(), 0);
             while let Some(part) = parts.read_next().unwrap() {
                 let advance = in_chunks.part(&part).unwrap();

@@ -18,7 +18,7 @@ pub const DELAY_LINE: usize = 512;
 pub struct StartOffset {
     /// Share of supply pressure in chamber B at rest, where pressures are not recorded; `None` for the machine's value.
     pub level: Option<f64>,
-    /// Distance of the rod further out than the recorded initial position, m: less than its sensor resolves.
+    /// Distance of the rod further out than the recorded initial position, m: less than its sensor resolves, or within the play behind it.
     pub shift_m: f64,
 }
 
@@ -91,6 +91,8 @@ pub(crate) struct InitialState<R> {
     pub(crate) command: f64,
     pub(crate) pressures: ChamberState<R>,
     pub(crate) strokes: R,
+    /// What the position's sensor shows, strokes, where the rod stands beside the middle of its play.
+    pub(crate) shown: Option<R>,
     /// What the position's sensor reads beyond that, strokes: of a rod in motion, the lag's output is behind.
     pub(crate) sensed_beyond: R,
     /// 0 at rest.
@@ -116,6 +118,8 @@ impl<R: Real> InitialState<R> {
     pub(crate) fn of(machine: &Machine<R>, bases: &Bases, start: &Start, offset: Offset<R>) -> Self {
         let constant = R::constant;
         let reading_m = constant(start.position_m) + offset.shift_m;
+        let half_play = machine.get(Parameter::BacklashPlay) * constant(0.5);
+        let beside_m = limited(offset.shift_m, -half_play, half_play);
         let behind_m = constant(start.velocity_m_per_s) * machine.get(Parameter::PositionLag);
         let position_m = reading_m + behind_m;
         let (a, b) = if let Some((a, b)) = start.pressures_pa {
@@ -136,6 +140,7 @@ impl<R: Real> InitialState<R> {
             command: start.command_v / bases.command_v,
             pressures: ChamberState { a: per_unit(a), b: per_unit(b) },
             strokes: position_m / machine.get(Parameter::Stroke),
+            shown: (!half_play.is_nil()).then(|| (position_m - beside_m) / machine.get(Parameter::Stroke)),
             sensed_beyond: -behind_m / machine.get(Parameter::Stroke),
             velocity: start.velocity_m_per_s / bases.velocity_m_per_s,
             valve: match (start.spool, start.settled) {
@@ -190,12 +195,15 @@ pub(crate) fn at_start<N: Scalar>(
     start: &Start,
     offset: Offset<N::Real>,
 ) -> DriveState<N, DELAY_LINE> {
-    let InitialState { command, pressures, strokes, sensed_beyond, velocity, bristles, valve } =
+    let InitialState { command, pressures, strokes, shown, sensed_beyond, velocity, bristles, valve } =
         InitialState::of(machine, drive.bases(), start, offset);
     let pressures = ChamberState { a: within(pressures.a), b: within(pressures.b) };
     let mut state = drive.at_rest(N::saturated(command), pressures, N::travel(strokes));
     state.motion.velocity = N::saturated(velocity);
     state.motion.bristles = within(bristles);
+    if let Some(shown) = shown {
+        state.sensed.show(within(shown));
+    }
     if velocity != 0.0 {
         state.sensed.trail(within(sensed_beyond));
     }
@@ -244,6 +252,31 @@ mod tests {
         // Bristles that are straight at first yield by 30 µm.
         assert!(moved(Signal::Position, 0.12) < 1e-7, "{}", moved(Signal::Position, 0.12));
         assert!(moved(Signal::PressureA, a) < 1e3, "{}", moved(Signal::PressureA, a));
+    }
+
+    #[test]
+    fn a_rod_beside_the_middle_of_its_play_shows_what_was_recorded_until_it_has_moved_through_it() {
+        let machine = with_papers_valve().with(&[(Parameter::BacklashPlay, 1e-3)]);
+        let time_s: Vec<f64> = (0..600).map(|row| f64::from(row) * 1e-3).collect();
+        let columns = [
+            Column::si(Signal::Time, time_s.clone()),
+            Column::si(Signal::Command, time_s.iter().map(|time| if *time < 0.1 { 0.0 } else { 5.0 }).collect()),
+            Column::si(Signal::Position, vec![0.12; time_s.len()]),
+        ];
+        let recording = Recording::new("extends", columns.to_vec()).unwrap();
+        let (command, load) = (InputPoint::Command, LoadSource::Constant);
+        let stimulus = Stimulus::new(&recording, &machine, command, load, Tick::OneMillisecond).unwrap();
+        let position = |shift_m: f64| {
+            let run = simulate_f64(&machine, &stimulus, StartOffset { shift_m, ..StartOffset::none() }).unwrap();
+            let position = run.signal(Signal::Position).unwrap();
+            (position[50], position[599])
+        };
+        let (middle, beside, beyond) = (position(0.0), position(-4e-4), position(-7e-4));
+        assert!((middle.0 - 0.12).abs() < 1e-6 && (beside.0 - 0.12).abs() < 1e-6, "{middle:?} {beside:?}");
+        // Extending, the rod pushes the sensor from the other end of its play.
+        assert!((beside.1 - middle.1 + 4e-4).abs() < 2e-5, "{middle:?} {beside:?}");
+        // Where it cannot be within the play, the sensor goes along.
+        assert!((beyond.0 - 0.12 + 2e-4).abs() < 1e-6, "{beyond:?}");
     }
 
     #[test]

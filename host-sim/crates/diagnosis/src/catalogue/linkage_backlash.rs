@@ -2,7 +2,8 @@
 //!
 //! ## What it adds
 //! Play between the rod and the position's sensor: after a reversal the rod travels by the play before the sensor
-//! moves. The drive itself is not affected.
+//! moves. The drive itself is not affected. Where in its play the rod starts is found from what it does later, in each
+//! recording.
 //!
 //! ## How it shows
 //! The measured position is off by half the play, with the sign of the direction; it rests at each reversal while

@@ -2,8 +2,9 @@
 //!
 //! ## What it adds
 //! Dry friction with a higher force to break away; half of the excess is gone at the Stribeck velocity vs, since the seal's
-//! lubricating film has to form first. F falls from Fc + Fe at rest to Fc at speed; at rest any force up to Fc + Fe is
-//! held. It includes Coulomb friction.
+//! lubricating film has to form first. F falls from Fc + Fe at rest to Fc at speed, as soon as the exponential curve of
+//! the literature does (a seventh of Fe is left at twice vs); at rest any force up to Fc + Fe is held. It includes
+//! Coulomb friction.
 //!
 //! ## How it shows
 //! A hump of the missing force at low speed: Δp builds up, the rod breaks away, and the pressures fall although it moves
@@ -40,7 +41,7 @@ const VELOCITY: EffectParameter =
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "stribeck-friction",
     subsystem: Subsystem::Mechanics,
-    equation: "F = −(Fc + Fe/(1 + (v/vs)²))·sgn v; at rest |F| ≤ Fc + Fe",
+    equation: "F = −(Fc + Fe/(1 + 0.414·(v/vs)²)²)·sgn v; at rest |F| ≤ Fc + Fe",
     forms: &[&[FORCE, EXCESS, VELOCITY], &[FORCE, EXCESS, VELOCITY, LUGRE]],
     look_alikes: &[
         LookAlike {

@@ -113,6 +113,7 @@ fn begun(
         name: whole.name.clone(),
         time_s: recording.time_s().to_vec(),
         stimulus,
+        tick: whole.tick,
         channels: whole.channels.iter().map(|channel| first(channel, rows)).collect(),
         failures: whole.failures.iter().map(|(signal, failures)| (*signal, first_failures(failures, rows))).collect(),
         unsettled: whole.unsettled.min(rows),

@@ -56,6 +56,7 @@ fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine:
         time_s: kept.iter().map(|&row| case.time_s[row]).collect(),
         channels: case.channels.iter().enumerate().map(channel).collect(),
         stimulus,
+        tick: case.tick,
         failures: Vec::new(),
         unsettled: kept.partition_point(|&row| row < case.unsettled),
         start_sigma_m: case.start_sigma_m,

@@ -15,7 +15,7 @@ const LOGIT_SIGMA: f64 = 0.4;
 pub struct StartState {
     /// Level of pressure at rest, where pressures are not recorded.
     pub level: f64,
-    /// Difference of the position from the recorded one, smaller than the sensor's resolution.
+    /// Difference of the position from the recorded one, smaller than the sensor's resolution, or within the play behind it.
     pub shift: f64,
 }
 
@@ -23,7 +23,7 @@ impl StartState {
     /// The initial state of a recording on a machine, in the form that the simulation needs.
     #[must_use]
     pub fn offset(&self, machine: &Machine<f64>, case: &Prepared) -> StartOffset {
-        StartOffset { level: Some(self.level_on(machine)), shift_m: self.shift * case.start_sigma_m }
+        StartOffset { level: Some(self.level_on(machine)), shift_m: self.shift * case.start_sigma_on(machine) }
     }
 
     /// Share of supply pressure in B at rest, around the machine's value. Its logit is moved, because a hard bound would stop
@@ -66,8 +66,10 @@ pub fn level_at_rest(machine: &Machine<f64>, cases: &[&Prepared], starts: &[Star
 pub fn settle(machine: &Machine<f64>, case: &Prepared) -> Result<StartState, MachineError> {
     const STEP: f64 = 0.05;
     let mut state = StartState::default();
-    // A shift of millimetres, where the start is not known, takes several steps against a loss that large residuals enter linearly.
-    let rounds = match (case.unsettled > 0, needs_level(case)) {
+    // A shift of millimetres, where the start is not known or in a play, takes several steps against a loss that large residuals enter linearly.
+    let start_sigma_m = case.start_sigma_on(machine);
+    let is_open = case.unsettled > 0 || start_sigma_m > case.start_sigma_m;
+    let rounds = match (is_open, needs_level(case)) {
         (true, _) => 12,
         (false, true) => 4,
         (false, false) => 1,
@@ -79,7 +81,7 @@ pub fn settle(machine: &Machine<f64>, case: &Prepared) -> Result<StartState, Mac
         let (here, moved) = (both.next().unwrap_or_default(), both.next());
         let (mut h, mut g) = ([[1.0, 0.0], [0.0, 1.0]], [state.level, state.shift]);
         for (index, (channel, residuals)) in case.channels.iter().zip(&here).enumerate() {
-            let shift = if channel.signal == Signal::Position { -case.start_sigma_m / channel.noise } else { 0.0 };
+            let shift = if channel.signal == Signal::Position { -start_sigma_m / channel.noise } else { 0.0 };
             for (row, residual) in residuals.iter().enumerate() {
                 let (value, slope) = soft(*residual, channel.tolerance);
                 let by_level = moved.as_ref().map_or(0.0, |moved| slope * (moved[index][row] - residual) / STEP);

@@ -27,10 +27,8 @@ pub(crate) struct Judged<'a> {
     pub(crate) channel: &'a JudgedSignal,
     /// Simulated, SI; `None` where the model does not compute it or its sensor failed.
     pub(crate) simulated: Option<f64>,
-    /// Its derivative with respect to the coordinate of every free parameter, then of the start's level; empty where nothing is simulated.
+    /// Its derivative with respect to the coordinate of every free parameter, then of the start's level and shift; empty where nothing is simulated.
     pub(crate) jacobian: &'a [f32],
-    /// Its derivative with respect to the coordinate of the start's shift.
-    pub(crate) by_shift: f64,
 }
 
 impl At<'_> {
@@ -53,6 +51,7 @@ impl At<'_> {
             by: &by,
             offset: start.offset(&machine, case),
             level_slope: if needs_level(case) { start.level_slope(&machine) } else { 0.0 },
+            shift_slope_m: case.start_sigma_on(&machine),
             stimulus: &case.stimulus,
             signals: &signals,
         };
@@ -64,7 +63,6 @@ impl At<'_> {
                 channel,
                 simulated: derived.map(|(simulated, _)| simulated),
                 jacobian: derived.map_or(&[], |(_, jacobian)| jacobian),
-                by_shift: if channel.signal == Signal::Position { case.start_sigma_m } else { 0.0 },
             });
         })
     }

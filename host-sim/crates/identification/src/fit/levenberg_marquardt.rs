@@ -10,7 +10,10 @@ use crate::parallel;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
-use model_core::machine::{Machine, MachineError};
+use model_core::drive::Drive;
+use model_core::machine::{Machine, MachineError, Tick};
+use model_core::number::PerUnit;
+use simulation::DELAY_LINE;
 
 use super::initial_state::StartState;
 use super::jacobian::At;
@@ -99,6 +102,14 @@ impl<'a> Problem<'a> {
         machine
     }
 
+    /// Whether the controller could carry the machine, at each recording's own tick: what is written to a file has to be taken by every command.
+    fn fits_the_format(&self) -> bool {
+        let machine = self.machine();
+        let mut ticks: Vec<Tick> = self.cases.iter().map(|case| case.tick).collect();
+        ticks.dedup();
+        ticks.into_iter().all(|tick| Drive::<PerUnit>::new::<DELAY_LINE>(&machine, tick).is_ok())
+    }
+
     /// Minimises.
     pub(crate) fn minimise(&mut self, precision: f64) -> Minimum {
         let solver = LevenbergMarquardt::new()
@@ -148,6 +159,8 @@ struct Slots<'p, 'a> {
     before: Point,
     /// Whether the search has taken the step that led here.
     is_taken: Cell<bool>,
+    /// Whether it began at a machine that the controller's format takes: then it ends at such a one.
+    stays_in_format: bool,
 }
 
 /// The triangular factor at some coordinates.
@@ -204,7 +217,8 @@ impl<'p, 'a> Slots<'p, 'a> {
     fn new(problem: &'p mut Problem<'a>, precision: f64) -> Self {
         let coordinates = problem.coordinates.clone();
         let (here, before) = (Point::default(), Point::default());
-        let mut slots = Self { problem, precision, here, before, is_taken: Cell::new(false) };
+        let stays_in_format = problem.fits_the_format();
+        let mut slots = Self { problem, precision, here, before, is_taken: Cell::new(false), stays_in_format };
         slots.here = slots.evaluated(&coordinates);
         slots
     }
@@ -238,6 +252,9 @@ impl<'p, 'a> Slots<'p, 'a> {
 
     /// The result of a step. A step whose predicted gain is too small is not simulated: the search ends there.
     fn tried(&mut self, coordinates: &DVector<f64>) -> Point {
+        if self.stays_in_format && !self.problem.fits_the_format() {
+            return Point { at: coordinates.clone(), ..Point::default() };
+        }
         let predicted = self.before.predicted_gain(coordinates);
         if predicted <= (self.precision * self.before.loss()).min(self.before.negligible()) {
             return Point { at: coordinates.clone(), ..self.before.clone() };
@@ -308,5 +325,30 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Slots<'_, '_> {
         // The optimiser requests the Jacobian only at points from which the search goes on.
         self.is_taken.set(true);
         self.here.triangle.as_ref().map(|(_, jacobian)| jacobian.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use machine_file::LoadSource;
+    use model_core::machine::Parameter::FlowCoefficient;
+    use test_press::{extending, press};
+
+    use super::*;
+    use crate::fit::{Freedom, fit};
+
+    #[test]
+    fn a_search_ends_at_a_machine_that_the_controller_can_carry() {
+        let machine = press(&[]);
+        let nominal = machine.get(FlowCoefficient);
+        let carried =
+            |machine: &Machine<f64>| Drive::<PerUnit>::new::<DELAY_LINE>(machine, Tick::OneMillisecond).is_ok();
+        // What was recorded asks for a valve that is far too large for the format.
+        let fast = press(&[(FlowCoefficient, 300.0 * nominal)]);
+        assert!(carried(&machine) && !carried(&fast));
+        let case = Prepared::new(&extending(&fast), &machine, LoadSource::Constant, None).unwrap();
+        let free = Free { parameter: FlowCoefficient, freedom: Freedom::Roughly { least: 0.0, nominal, spread: 1.0 } };
+        let found = fit(&machine, &[free], &[&case], &From::default(), 1e-6).unwrap();
+        assert!(carried(&found.machine) && found.machine.get(FlowCoefficient) > 2.0 * nominal, "{found:?}");
     }
 }

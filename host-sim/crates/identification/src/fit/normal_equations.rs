@@ -41,10 +41,9 @@ impl NormalEquations {
             let Some(simulated) = judged.simulated else { return };
             let channel = judged.channel;
             let (residual, slope) = soft(missed(channel, judged.row, Some(simulated)), channel.tolerance);
-            let of_row = || judged.jacobian.iter().copied().chain([single(judged.by_shift)]);
-            jacobian.put(of_row(), single(-1.0 / channel.noise));
+            jacobian.put(judged.jacobian.iter().copied(), single(-1.0 / channel.noise));
             let scale = single(-slope / channel.noise);
-            sums.add(of_row().map(|by| by * scale), residual);
+            sums.add(judged.jacobian.iter().map(|by| by * scale), residual);
         })?;
         Ok(sums.total())
     }

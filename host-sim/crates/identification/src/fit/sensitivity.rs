@@ -331,9 +331,8 @@ impl Block {
             if judged.simulated.is_some() {
                 block.jacobian.extend(judged.jacobian.iter().map(|by| by * scale));
             } else {
-                block.jacobian.extend(std::iter::repeat_n(0.0, at.free.len() + 1));
+                block.jacobian.extend(std::iter::repeat_n(0.0, at.free.len() + OF_START));
             }
-            block.jacobian.push(single(judged.by_shift) * scale);
         })?;
         Ok(block)
     }

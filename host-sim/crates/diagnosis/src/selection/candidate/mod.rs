@@ -325,10 +325,11 @@ impl Candidate {
         self.newest() == Some((lead.effect.name, lead.form.as_ptr()))
     }
 
-    /// How many effect parameters it has.
+    /// How many values its effects bring with them: their parameters and, of a play, where in it the rod starts, in each recording.
     #[must_use]
     pub fn effect_parameters(&self) -> usize {
-        effect_parameters(&self.effects).len()
+        let has_play = self.effects.iter().any(|chosen| chosen.has(Parameter::BacklashPlay));
+        effect_parameters(&self.effects).len() + if has_play { self.fit.starts.len() } else { 0 }
     }
 
     /// Whether its worst channel is off by more than what counts as its noise.

@@ -46,6 +46,19 @@ fn rows_in_which_the_position_failed_hold_no_start_back() {
 }
 
 #[test]
+fn where_in_its_play_a_rod_starts_is_found_from_what_it_does_later() {
+    use model_core::machine::Parameter::{BacklashPlay, ViscousFriction};
+    let machine = press(&[(ViscousFriction, 4e4), (BacklashPlay, 1.2e-3)]);
+    let mut case = Prepared::new(&extending(&machine), &machine, LoadSource::Constant, None).unwrap();
+    // The rod stood at the end of its play from where it takes all of it to push the sensor.
+    let from_the_end = StartState { shift: -5.5e-4 / case.start_sigma_on(&machine), ..StartState::default() };
+    case.channels[0].recorded =
+        simulated(&machine, &runs(&machine, [(&case, from_the_end)].into_iter()), |_| true).unwrap().remove(0);
+    let found_m = settle(&machine, &case).unwrap().offset(&machine, &case).shift_m;
+    assert!((found_m + 5.5e-4).abs() < 5e-5, "{found_m}");
+}
+
+#[test]
 fn what_is_smooth_beneath_noise_is_worth_few_samples() {
     let mut noise = recording::seeded_noise::Noise::new(3, 0);
     let white: Vec<f64> = (0..4096).map(|_| noise.gaussian(1.0)).collect();
