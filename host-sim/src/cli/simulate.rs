@@ -122,8 +122,8 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     let input_point = first_input_point(file.machine.source, &part.recording).map_err(failed)?;
     let tick = arguments.machine.tick().unwrap_or_else(|| natural_tick(&part.recording));
     let start = start_in_play(&file.machine, &part.recording, file.load_source, tick);
-    if let Some(note) = start.and_then(|start| told_start(&part.recording, start)) {
-        bar.aside(|| console.note(note));
+    if let Some(start) = start {
+        bar.aside(|| console.note(told_start(&part.recording, start)));
     }
     let mut in_chunks =
         InChunks::new(&file.machine, input_point, file.load_source, tick, arguments.machine.arithmetic.into())
@@ -190,8 +190,8 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
         console.note(note);
     }
     let start = start_in_play(&job.machine, &job.recording, job.load, job.tick);
-    if let Some(note) = start.and_then(|start| told_start(&job.recording, start)) {
-        console.note(note);
+    if let Some(start) = start {
+        console.note(told_start(&job.recording, start));
     }
     let bar = console.share(job.recording.rows() as u64, "simulating");
     let simulated = simulate(&job, start.unwrap_or(StartOffset::none()), &|rows| bar.inc(rows as u64));
@@ -221,25 +221,25 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
 /// Where in the play of its sensor the rod starts: no sensor shows it, and what was recorded tells it as soon as the rod has moved through the play.
 /// `None` without a play, or where nothing is recorded that tells it.
 fn start_in_play(machine: &Machine<f64>, recording: &Recording, load: LoadSource, tick: Tick) -> Option<StartOffset> {
-    if machine.get(Parameter::BacklashPlay) <= 0.0 || !recording.has(Signal::Position) {
+    let half_m = 0.5 * machine.get(Parameter::BacklashPlay);
+    if half_m <= 0.0 || !recording.has(Signal::Position) {
         return None;
     }
     // A recording that cannot be judged is simulated all the same, from the middle of the play.
     let case = Prepared::new(recording, machine, load, Some(tick)).ok()?;
-    Some(settle(machine, &case).ok()?.offset(machine, &case))
+    let shift_m = settle(machine, &case).ok()?.offset(machine, &case).shift_m.clamp(-half_m, half_m);
+    (shift_m.abs() > case.start_sigma_m).then_some(StartOffset { shift_m, ..StartOffset::none() })
 }
 
 /// What is said of it.
-fn told_start(recording: &Recording, start: StartOffset) -> Option<String> {
+fn told_start(recording: &Recording, start: StartOffset) -> String {
     let off_mm = 1e3 * start.shift_m;
     let side = if off_mm < 0.0 { "retracted" } else { "extended" };
-    let size = significant(off_mm.abs(), 2);
-    (off_mm != 0.0).then(|| {
-        format!(
-            "{}: the rod starts {size} mm on the {side} side of the middle of its play, as the recording tells",
-            recording.name()
-        )
-    })
+    format!(
+        "{}: the rod starts {} mm on the {side} side of the middle of its play, as the recording tells",
+        recording.name(),
+        significant(off_mm.abs(), 2)
+    )
 }
 
 /// A note where the rod starts if its position was not measured.

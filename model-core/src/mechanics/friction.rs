@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! constant            coulomb-friction, presliding, the force of stribeck-friction, friction-asymmetry by direction
-//! excess/(1 + (√2 − 1)·(v/vs)²)²  stribeck-friction, what breaking away takes more; evaluated at the velocity of each stage
+//! excess/(1 + (√2 − 1)·(v/vs)²)²   stribeck-friction, what breaking away takes more; evaluated at the velocity of each stage
 //! max(0, f + a·s + b·s²)  position-dependent-friction, s = 2y/stroke − 1, at the tick's start
 //! area·(pa⁺ + pb⁺)    pressure-dependent-friction, at the tick's start
 //! ```

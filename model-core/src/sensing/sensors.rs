@@ -65,7 +65,7 @@ impl<N: Number> Reading<N> {
     serde(bound(serialize = "N: serde::Serialize", deserialize = "N: serde::Deserialize<'de>"))
 )]
 pub struct SensedState<N: Number, const DELAY: usize> {
-    /// Position at the state's start, strokes: the gain error is relative to it.
+    /// What the sensor showed at the state's start, strokes: the gain error is relative to it.
     origin: N,
     /// Output of the play, strokes. At the start the rod stands in the middle of its play, unless the sensor is told to [`show`](Self::show) otherwise.
     played: N,

@@ -27,6 +27,11 @@ type Level = fn(f64, f64) -> f64;
 /// Its name, its parameters and its formula.
 type Law = (&'static str, Vec<(P, f64)>, Level);
 
+/// Share of Stribeck's excess that is left at a multiple of his velocity.
+fn falling(t: f64) -> f64 {
+    (1.0 + (2.0_f64.sqrt() - 1.0) * t * t).powi(-2)
+}
+
 /// Each law alone, and some together.
 fn laws() -> Vec<Law> {
     vec![
@@ -35,7 +40,7 @@ fn laws() -> Vec<Law> {
         (
             "stribeck",
             vec![(P::StribeckForce, 300.0), (P::StribeckExcess, 200.0), (P::StribeckVelocity, 0.02)],
-            |v, _| 300.0 + 200.0 / (1.0 + (v / 0.02).powi(2)),
+            |v, _| 300.0 + 200.0 * falling(v / 0.02),
         ),
         ("asymmetric", vec![(P::AsymmetricExtending, 600.0), (P::AsymmetricRetracting, 250.0)], |v, _| {
             if v > 0.0 { 600.0 } else { 250.0 }
@@ -55,7 +60,7 @@ fn laws() -> Vec<Law> {
                 (P::PressureFriction, 1e-4),
                 (P::StribeckVelocity, 0.02),
             ],
-            |v, _| 500.0 + 100.0 / (1.0 + (v / 0.02).powi(2)) + if v < 0.0 { 50.0 } else { 0.0 },
+            |v, _| 500.0 + 100.0 * falling(v / 0.02) + if v < 0.0 { 50.0 } else { 0.0 },
         ),
     ]
 }

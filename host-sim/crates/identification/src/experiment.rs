@@ -218,12 +218,12 @@ impl Prepared {
         self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
     }
 
-    /// Standard deviation of the rod's initial position on a machine, m: in which half of a play it stands, no sensor shows.
+    /// Standard deviation of the rod's initial position on a machine, m: where in a play it stands, no sensor shows.
     #[must_use]
     pub fn start_sigma_on(&self, machine: &Machine<f64>) -> f64 {
-        /// Plays are 0.1 to 2 mm wide; this is half of the usual one. It is the same for every width, so that no derivative depends on it.
+        /// Chosen: half of a usual play. It is the same for every width, so that no derivative depends on it.
         const WITHIN_PLAY_M: f64 = 5e-4;
-        if machine.get(Parameter::BacklashPlay) > 0.0 {
+        if self.start_sigma_m > 0.0 && machine.get(Parameter::BacklashPlay) > 0.0 {
             self.start_sigma_m.hypot(WITHIN_PLAY_M)
         } else {
             self.start_sigma_m

@@ -93,7 +93,8 @@ impl<'a> InLanes<'a> {
         let mut state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
         state.motion.velocity = packed(|of| f64::saturated(of.velocity));
         state.motion.bristles = packed(|of| within(of.bristles));
-        if initial_states.iter().any(|of| of.shown.is_some()) {
+        // All lanes have the same play.
+        if initial_states.iter().all(|of| of.shown.is_some()) {
             state.sensed.show(packed(|of| within(of.shown.unwrap_or(of.strokes))));
         }
         if initial_states.iter().any(|of| of.velocity != 0.0) {

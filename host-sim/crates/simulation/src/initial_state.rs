@@ -91,7 +91,7 @@ pub(crate) struct InitialState<R> {
     pub(crate) command: f64,
     pub(crate) pressures: ChamberState<R>,
     pub(crate) strokes: R,
-    /// What the position's sensor shows, strokes, where the rod stands beside the middle of its play.
+    /// What the position's sensor shows, strokes, where the rod has a play.
     pub(crate) shown: Option<R>,
     /// What the position's sensor reads beyond that, strokes: of a rod in motion, the lag's output is behind.
     pub(crate) sensed_beyond: R,

@@ -2,9 +2,8 @@
 //!
 //! ## What it adds
 //! Dry friction with a higher force to break away; half of the excess is gone at the Stribeck velocity vs, since the seal's
-//! lubricating film has to form first. F falls from Fc + Fe at rest to Fc at speed, as soon as the exponential curve of
-//! the literature does (a seventh of Fe is left at twice vs); at rest any force up to Fc + Fe is held. It includes
-//! Coulomb friction.
+//! lubricating film has to form first. F falls from Fc + Fe at rest to Fc at speed (a seventh of Fe is left at twice
+//! vs); at rest any force up to Fc + Fe is held. It includes Coulomb friction.
 //!
 //! ## How it shows
 //! A hump of the missing force at low speed: Δp builds up, the rod breaks away, and the pressures fall although it moves

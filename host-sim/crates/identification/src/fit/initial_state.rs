@@ -15,7 +15,7 @@ const LOGIT_SIGMA: f64 = 0.4;
 pub struct StartState {
     /// Level of pressure at rest, where pressures are not recorded.
     pub level: f64,
-    /// Difference of the position from the recorded one, smaller than the sensor's resolution, or within the play behind it.
+    /// Difference of the position from the recorded one, in what its sensor leaves open: its resolution, or the play behind it.
     pub shift: f64,
 }
 
@@ -62,30 +62,33 @@ pub fn level_at_rest(machine: &Machine<f64>, cases: &[&Prepared], starts: &[Star
 }
 
 /// The initial state that suits a machine best on a recording that it was not fitted to: Gauss-Newton in the two
-/// coordinates of the initial state alone, the level's derivative by a difference.
+/// coordinates of the initial state alone, the derivatives by the level and by a place within a play by differences.
 pub fn settle(machine: &Machine<f64>, case: &Prepared) -> Result<StartState, MachineError> {
     const STEP: f64 = 0.05;
     let mut state = StartState::default();
     // A shift of millimetres, where the start is not known or in a play, takes several steps against a loss that large residuals enter linearly.
     let start_sigma_m = case.start_sigma_on(machine);
-    let is_open = case.unsettled > 0 || start_sigma_m > case.start_sigma_m;
-    let rounds = match (is_open, needs_level(case)) {
+    let has_play = start_sigma_m > case.start_sigma_m;
+    let rounds = match (case.unsettled > 0 || has_play, needs_level(case)) {
         (true, _) => 12,
         (false, true) => 4,
         (false, false) => 1,
     };
     for _ in 0..rounds {
-        let beside = needs_level(case).then_some(StartState { level: state.level + STEP, ..state });
-        let mut both =
-            standardised_all(machine, [state].into_iter().chain(beside).map(|start| (case, start)))?.into_iter();
-        let (here, moved) = (both.next().unwrap_or_default(), both.next());
+        let raised = needs_level(case).then_some(StartState { level: state.level + STEP, ..state });
+        let shifted = has_play.then_some(StartState { shift: state.shift + STEP, ..state });
+        let starts = [Some(state), raised, shifted].into_iter().flatten();
+        let mut runs = standardised_all(machine, starts.map(|start| (case, start)))?.into_iter();
+        let here = runs.next().unwrap_or_default();
+        let (raised, shifted) = (raised.and_then(|_| runs.next()), shifted.and_then(|_| runs.next()));
         let (mut h, mut g) = ([[1.0, 0.0], [0.0, 1.0]], [state.level, state.shift]);
         for (index, (channel, residuals)) in case.channels.iter().zip(&here).enumerate() {
             let shift = if channel.signal == Signal::Position { -start_sigma_m / channel.noise } else { 0.0 };
             for (row, residual) in residuals.iter().enumerate() {
                 let (value, slope) = soft(*residual, channel.tolerance);
-                let by_level = moved.as_ref().map_or(0.0, |moved| slope * (moved[index][row] - residual) / STEP);
-                let by_shift = slope * shift;
+                let by = |moved: &Vec<Vec<f64>>| slope * (moved[index][row] - residual) / STEP;
+                let by_level = raised.as_ref().map_or(0.0, by);
+                let by_shift = shifted.as_ref().map_or(slope * shift, by);
                 h[0][0] += by_level * by_level;
                 h[0][1] += by_level * by_shift;
                 h[1][1] += by_shift * by_shift;
