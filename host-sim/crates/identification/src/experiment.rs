@@ -218,12 +218,14 @@ impl Prepared {
         self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
     }
 
-    /// Standard deviation of the rod's initial position on a machine, m: where in a play it stands, no sensor shows.
+    /// Standard deviation of the rod's initial position on a machine, m: where in a play it stands, no sensor shows. A rod that is driven by its measured
+    /// force starts in the middle: its position integrates twice what that sensor reads wrong, which hides the place.
     #[must_use]
     pub fn start_sigma_on(&self, machine: &Machine<f64>) -> f64 {
         /// Chosen: half of a usual play. It is the same for every width, so that no derivative depends on it.
         const WITHIN_PLAY_M: f64 = 5e-4;
-        if self.start_sigma_m > 0.0 && machine.get(Parameter::BacklashPlay) > 0.0 {
+        let is_told = self.start_sigma_m > 0.0 && self.stimulus.input_point != InputPoint::Force;
+        if is_told && machine.get(Parameter::BacklashPlay) > 0.0 {
             self.start_sigma_m.hypot(WITHIN_PLAY_M)
         } else {
             self.start_sigma_m
