@@ -165,8 +165,6 @@ fn of_two_effects_held_out_recordings_take_out_the_one_they_gain_nothing_by() {
     let mut both = beside(&beside(&selection.base, hypotheses[1]), named("linkage-backlash"));
     both.fit.machine.set(P::BacklashPlay, 0.01);
     let mut selection = Selection { chosen: both, ..selection };
-    let mut refused: Vec<&str> =
-        selection.refused(&question, &held).unwrap().iter().map(|effect| effect.name).collect();
-    refused.sort_unstable();
+    let refused: Vec<&str> = selection.refused(&question, &held).unwrap().iter().map(|effect| effect.name).collect();
     assert_eq!((refused, selection.chosen.names()), (vec!["linkage-backlash", effects[1]], vec![]));
 }

@@ -121,13 +121,12 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
     let input_point = first_input_point(file.machine.source, &part.recording).map_err(failed)?;
     let tick = arguments.machine.tick().unwrap_or_else(|| natural_tick(&part.recording));
-    let start = start_in_play(&file.machine, &part.recording, file.load_source, tick);
-    if let Some(start) = start {
-        bar.aside(|| console.note(told_start(&part.recording, start)));
-    }
+    let start = start_in_play(&file.machine, &part.recording, file.load_source, tick, |note| {
+        bar.aside(|| console.note(note));
+    });
     let mut in_chunks =
         InChunks::new(&file.machine, input_point, file.load_source, tick, arguments.machine.arithmetic.into())
-            .starting(start.unwrap_or(StartOffset::none()));
+            .starting(start);
     let mut out = Target::new(&arguments.out)?;
     let mut ended: Vec<Signal> = Vec::new();
     loop {
@@ -189,12 +188,9 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
     for note in input::notes(&job.recording, &job.machine).chain(starts_anywhere(&job.recording)) {
         console.note(note);
     }
-    let start = start_in_play(&job.machine, &job.recording, job.load, job.tick);
-    if let Some(start) = start {
-        console.note(told_start(&job.recording, start));
-    }
+    let start = start_in_play(&job.machine, &job.recording, job.load, job.tick, |note| console.note(note));
     let bar = console.share(job.recording.rows() as u64, "simulating");
-    let simulated = simulate(&job, start.unwrap_or(StartOffset::none()), &|rows| bar.inc(rows as u64));
+    let simulated = simulate(&job, start, &|rows| bar.inc(rows as u64));
     bar.finish_and_clear();
     let mut simulated =
         simulated.map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
@@ -218,28 +214,32 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
     Ok(())
 }
 
-/// Where in the play of its sensor the rod starts: no sensor shows it, and what was recorded tells it as soon as the rod has moved through the play.
-/// `None` without a play, or where nothing is recorded that tells it.
-fn start_in_play(machine: &Machine<f64>, recording: &Recording, load: LoadSource, tick: Tick) -> Option<StartOffset> {
+/// Where in the play of its sensor the rod starts, told by a note: no sensor shows it, and what was recorded tells it as soon as the rod has moved
+/// through the play. In the middle without a play, or where nothing is recorded that tells it.
+fn start_in_play(
+    machine: &Machine<f64>,
+    recording: &Recording,
+    load: LoadSource,
+    tick: Tick,
+    note: impl FnOnce(String),
+) -> StartOffset {
     let half_m = 0.5 * machine.get(Parameter::BacklashPlay);
-    if half_m <= 0.0 || !recording.has(Signal::Position) {
-        return None;
-    }
-    // A recording that cannot be judged is simulated all the same, from the middle of the play.
-    let case = Prepared::new(recording, machine, load, Some(tick)).ok()?;
-    let shift_m = settle(machine, &case).ok()?.offset(machine, &case).shift_m.clamp(-half_m, half_m);
-    (shift_m.abs() > case.start_sigma_m).then_some(StartOffset { shift_m, ..StartOffset::none() })
-}
-
-/// What is said of it.
-fn told_start(recording: &Recording, start: StartOffset) -> String {
-    let off_mm = 1e3 * start.shift_m;
-    let side = if off_mm < 0.0 { "retracted" } else { "extended" };
-    format!(
-        "{}: the rod starts {} mm on the {side} side of the middle of its play, as the recording tells",
-        recording.name(),
-        significant(off_mm.abs(), 2)
-    )
+    let found = || -> Option<f64> {
+        if half_m <= 0.0 || !recording.has(Signal::Position) {
+            return None;
+        }
+        // A recording that cannot be judged is simulated all the same.
+        let case = Prepared::new(recording, machine, load, Some(tick)).ok()?;
+        let shift_m = settle(machine, &case).ok()?.offset(machine, &case).shift_m.clamp(-half_m, half_m);
+        (shift_m.abs() > case.start_sigma_m).then_some(shift_m)
+    };
+    let Some(shift_m) = found() else { return StartOffset::none() };
+    let (name, size) = (recording.name(), significant(1e3 * shift_m.abs(), 2));
+    let side = if shift_m < 0.0 { "retracted" } else { "extended" };
+    note(format!(
+        "{name}: the rod starts {size} mm on the {side} side of the middle of its play, as the recording tells"
+    ));
+    StartOffset { shift_m, ..StartOffset::none() }
 }
 
 /// A note where the rod starts if its position was not measured.

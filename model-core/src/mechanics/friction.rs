@@ -19,8 +19,8 @@
 
 use crate::number::{Mask, Number};
 
-/// √(√2 − 1): with it in t, half of the excess is gone at the Stribeck velocity. The square makes the fall end as soon as it does on measured seals:
-/// without it the friction still falls at ten times that velocity, by as much as viscous friction rises.
+/// √(√2 − 1): with it in t, half of the excess is gone at the Stribeck velocity. The square makes the fall end nearly as soon as that of the usual
+/// exponential curve, of which a sixteenth is left at twice that velocity: here it is a seventh, without the square a fifth.
 pub(crate) const STRIBECK_WIDTH: f64 = 0.643_594_252_905_582_6;
 
 /// How dry friction acts during one tick. Where all are false, none acts.

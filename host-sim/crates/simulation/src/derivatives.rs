@@ -10,8 +10,8 @@ use crate::stimulus::Stimulus;
 
 /// Number of derivatives in the largest dual number: for every parameter, and for the level and the shift of a start.
 const MOST_SLOTS: usize = 64;
-/// Those of a start.
-const OF_START: usize = 2;
+/// Derivatives of a start: by its level and by its shift, behind those of the parameters.
+pub const OF_START: usize = 2;
 
 /// Largest number of parameters for which one run computes derivatives.
 pub const MOST_PARAMETERS: usize = MOST_SLOTS - OF_START;

@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 
 use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::flow::PumpDrive;
-use model_core::machine::{Machine, MachineError};
+use model_core::machine::{Machine, MachineError, Parameter};
 use model_core::number::{Field, Number};
 use model_core::ports::{ChamberState, Spool};
 use model_core::valve::ValveState;
@@ -93,9 +93,8 @@ impl<'a> InLanes<'a> {
         let mut state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
         state.motion.velocity = packed(|of| f64::saturated(of.velocity));
         state.motion.bristles = packed(|of| within(of.bristles));
-        // All lanes have the same play.
-        if initial_states.iter().all(|of| of.shown.is_some()) {
-            state.sensed.show(packed(|of| within(of.shown.unwrap_or(of.strokes))));
+        if machine.get(Parameter::BacklashPlay) != 0.0 {
+            state.sensed.show(packed(|of| within(of.shown)));
         }
         if initial_states.iter().any(|of| of.velocity != 0.0) {
             state.sensed.trail(packed(|of| within(of.sensed_beyond)));

@@ -91,8 +91,8 @@ pub(crate) struct InitialState<R> {
     pub(crate) command: f64,
     pub(crate) pressures: ChamberState<R>,
     pub(crate) strokes: R,
-    /// What the position's sensor shows, strokes, where the rod has a play.
-    pub(crate) shown: Option<R>,
+    /// What the position's sensor shows, strokes: where the rod stands, but for its place within a play.
+    pub(crate) shown: R,
     /// What the position's sensor reads beyond that, strokes: of a rod in motion, the lag's output is behind.
     pub(crate) sensed_beyond: R,
     /// 0 at rest.
@@ -140,7 +140,7 @@ impl<R: Real> InitialState<R> {
             command: start.command_v / bases.command_v,
             pressures: ChamberState { a: per_unit(a), b: per_unit(b) },
             strokes: position_m / machine.get(Parameter::Stroke),
-            shown: (!half_play.is_nil()).then(|| (position_m - beside_m) / machine.get(Parameter::Stroke)),
+            shown: (position_m - beside_m) / machine.get(Parameter::Stroke),
             sensed_beyond: -behind_m / machine.get(Parameter::Stroke),
             velocity: start.velocity_m_per_s / bases.velocity_m_per_s,
             valve: match (start.spool, start.settled) {
@@ -201,7 +201,7 @@ pub(crate) fn at_start<N: Scalar>(
     let mut state = drive.at_rest(N::saturated(command), pressures, N::travel(strokes));
     state.motion.velocity = N::saturated(velocity);
     state.motion.bristles = within(bristles);
-    if let Some(shown) = shown {
+    if !machine.get(Parameter::BacklashPlay).is_nil() {
         state.sensed.show(within(shown));
     }
     if velocity != 0.0 {

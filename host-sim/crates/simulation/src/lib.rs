@@ -29,7 +29,7 @@ mod stepper;
 mod stimulus;
 
 pub use arithmetic::Arithmetic;
-pub use derivatives::{By, Derivatives, Derived, MOST_PARAMETERS};
+pub use derivatives::{By, Derivatives, Derived, MOST_PARAMETERS, OF_START};
 pub use error::SimulateError;
 pub use grid::between_rows;
 pub use in_chunks::{Advance, InChunks};

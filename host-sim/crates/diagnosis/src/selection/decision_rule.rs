@@ -13,7 +13,8 @@
 //!    `EXTENSION_GAINS` and `EXTENSION_EXPLAINS` or `FINER_FORM_TAKES`.
 //! 3. Its parameters are plausible: the constants from `PRESSED` to `PULLED_TOO_FAR_QUANTILE`.
 //! 4. The held-out recordings gain what was promised: `PROMISE_KEPT`, in each signal as well by `LOST_FROM` and `PROMISES_HALF`,
-//!    `ONE_GAINS_OF`, `SIGNAL_MAY_LOSE` or `SIGNAL_MAY_LOSE_SHARE`, `FIT_ABOVE_PERCENT` where `MOSTLY_NOISE_PERCENT` does not excuse a signal; beside other effects `WORSE_BY_EQUATIONS`.
+//!    `ONE_GAINS_OF`, `SIGNAL_MAY_LOSE` or `SIGNAL_MAY_LOSE_SHARE`, `FIT_ABOVE_PERCENT` where `MOSTLY_NOISE_PERCENT` does not excuse a signal;
+//!    beside other effects `WORSE_BY_EQUATIONS`.
 //!
 //! Stiction of the spool passes the constants of its own section instead of 2.
 //!
@@ -289,7 +290,8 @@ pub(crate) const PROMISE_KEPT: f64 = 1.0 / 3.0;
 /// A signal off by more than so many times its noise on held-out recordings has to keep its own promise: others that are followed do not excuse it.
 /// Source: twice what a drive with tolerances may miss.
 pub(crate) const LOST_FROM: f64 = 2.0 * UNEXPLAINED_BY_SHEET_FROM;
-/// A promise of half the squared error or more, as a logarithm; what is promised less may be chance.
+
+/// A promise of half the squared error or more, as a logarithm; what is promised less may be chance. Source: chosen.
 pub(crate) const PROMISES_HALF: f64 = std::f64::consts::LN_2;
 
 /// NRMSE fit, %, that every signal has to exceed. Source: at 0 the model follows it no better than its mean.

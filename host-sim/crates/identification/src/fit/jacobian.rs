@@ -32,6 +32,15 @@ pub(crate) struct Judged<'a> {
 }
 
 impl At<'_> {
+    /// The machine with the values of these coordinates.
+    pub(crate) fn machine(&self) -> Machine<f64> {
+        let mut machine = *self.base;
+        for (free, &coordinate) in self.free.iter().zip(self.coordinates) {
+            machine.set(free.parameter, free.value(coordinate));
+        }
+        machine
+    }
+
     /// Runs the recording once and hands every judged signal to `sink`, row by row.
     pub(crate) fn each(
         &self,
@@ -39,10 +48,7 @@ impl At<'_> {
         case: &Prepared,
         sink: &mut dyn FnMut(&Judged<'_>),
     ) -> Result<(), MachineError> {
-        let mut machine = *self.base;
-        for (free, &coordinate) in self.free.iter().zip(self.coordinates) {
-            machine.set(free.parameter, free.value(coordinate));
-        }
+        let machine = self.machine();
         let by: Vec<By> =
             self.free.iter().zip(self.coordinates).map(|(free, &coordinate)| by(free, coordinate)).collect();
         let signals: Vec<Signal> = case.channels.iter().map(|channel| channel.signal).collect();

@@ -76,7 +76,14 @@ impl<'a> Problem<'a> {
             }
             if known.starts.len() == cases.len() {
                 coordinates.rows_mut(free.len(), known_starts.len()).copy_from(&known_starts);
-                Self::carry_shifts(&known.machine, (base, free), cases, &mut coordinates);
+                // A shift of the start stays as long in metres where a play lets the rod start further away than its sensor's resolution.
+                let here = At { base, free, coordinates: coordinates.as_slice() }.machine();
+                for (index, case) in cases.iter().enumerate() {
+                    let (before, now) = (case.start_sigma_on(&known.machine), case.start_sigma_on(&here));
+                    if now > 0.0 {
+                        coordinates[free.len() + OF_START * index + 1] *= before / now;
+                    }
+                }
             }
         }
         for (parameter, wanted) in from.coordinates {
@@ -85,22 +92,6 @@ impl<'a> Problem<'a> {
             }
         }
         Self { base, free, cases, told, coordinates, normal_equations: Vec::new() }
-    }
-
-    /// A shift of the start stays as long in metres where a play lets the rod start further away than its sensor's resolution.
-    fn carry_shifts(
-        known: &Machine<f64>,
-        (base, free): (&Machine<f64>, &[Free]),
-        cases: &[&Prepared],
-        coordinates: &mut DVector<f64>,
-    ) {
-        let here = with_values(base, free, coordinates);
-        for (index, case) in cases.iter().enumerate() {
-            let (before, now) = (case.start_sigma_on(known), case.start_sigma_on(&here));
-            if now > 0.0 {
-                coordinates[free.len() + OF_START * index + 1] *= before / now;
-            }
-        }
     }
 
     pub(crate) fn starts(&self) -> Vec<StartState> {
@@ -112,7 +103,8 @@ impl<'a> Problem<'a> {
     }
 
     pub(crate) fn machine(&self) -> Machine<f64> {
-        with_values(self.base, self.free, &self.coordinates)
+        let Self { base, free, coordinates, .. } = self;
+        At { base, free, coordinates: coordinates.as_slice() }.machine()
     }
 
     /// Whether the controller could carry the machine, at each recording's own tick: what is written to a file has to be taken by every command.
@@ -152,15 +144,6 @@ impl<'a> Problem<'a> {
         self.normal_equations = slots.here.normal_equations;
         Minimum { converged, loss }
     }
-}
-
-/// A machine with the values of these coordinates.
-fn with_values(base: &Machine<f64>, free: &[Free], coordinates: &DVector<f64>) -> Machine<f64> {
-    let mut machine = *base;
-    for (free, &coordinate) in free.iter().zip(coordinates.iter()) {
-        machine.set(free.parameter, free.value(coordinate));
-    }
-    machine
 }
 
 /// How a search ended.

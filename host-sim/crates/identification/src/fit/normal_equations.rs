@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use model_core::machine::MachineError;
+pub(crate) use simulation::OF_START;
 use simulation::number::dual::single;
 
 use super::initial_state::StartState;
@@ -24,9 +25,6 @@ pub struct NormalEquations {
     /// Rows counted.
     pub rows: f64,
 }
-
-/// Coordinates of a recording's start.
-pub(crate) const OF_START: usize = 2;
 
 impl NormalEquations {
     /// Runs a recording with the derivatives of its residuals, which are stored in the `jacobian`.
