@@ -14,12 +14,12 @@ mod spikes;
 use std::borrow::Cow;
 
 use dropouts::stretches;
-use range_ends::range_ends;
+use range_ends::{Side, range_ends};
 use spikes::spikes;
 
 use recording::{Recording, Signal};
 
-use crate::signal::noise::{extent, noise, resolution};
+use crate::signal::noise::{noise, resolution};
 
 pub use range_ends::RangeEnd;
 
@@ -165,13 +165,13 @@ pub fn sensor_range(recording: &Recording, signal: Signal) -> (f64, f64) {
         _ => &[signal],
     };
     let values = alike.iter().filter_map(|&signal| Some((signal, recording.signal(signal)?)));
-    let ends: Vec<f64> = values
-        .flat_map(|(signal, values)| Failures::of(signal, recording.time_s(), values).ends)
-        .map(|end| end.reading)
-        .collect();
-    let (low, high) = extent(read);
-    let seen = |extreme: f64, without: f64| if ends.contains(&extreme) { extreme } else { without };
-    (seen(low, unlimited.0), seen(high, unlimited.1))
+    let ends: Vec<RangeEnd> =
+        values.flat_map(|(signal, values)| Failures::of(signal, recording.time_s(), values).ends).collect();
+    let seen = |side: Side| {
+        let reached = ends.iter().find(|end| end.side == side && side.is_end(end.reading, read));
+        reached.map(|end| end.reading)
+    };
+    (seen(Side::Low).unwrap_or(unlimited.0), seen(Side::High).unwrap_or(unlimited.1))
 }
 
 /// Measured signals that a simulation may start from or be driven by. A command is not measured: its jumps are intended.

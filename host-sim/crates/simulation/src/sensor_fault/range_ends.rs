@@ -2,7 +2,8 @@
 //!
 //! A signal may stay at its highest or lowest value for other reasons: a rod rests against its stop, oil does not fall below the tank's
 //! pressure. What gives the end of a range away is that the noise is missing there, although the sensor has some, or, in a sensor without
-//! visible noise, that a pressure or force comes and goes at full slope.
+//! visible noise, that a pressure or force comes and goes at full slope. Some sensors end before their noise is added: just inside the range it lifts
+//! a row or two beyond the end.
 
 use recording::Signal;
 
@@ -13,7 +14,9 @@ use crate::signal::noise::{extent, median};
 pub struct RangeEnd {
     /// What it reads there, SI.
     pub reading: f64,
-    /// Rows with this reading, and those between them where noise lifts it off for a moment.
+    /// Which end it is.
+    pub side: Side,
+    /// Rows with this reading or beyond, and those between them where noise lifts it off for a moment.
     pub rows: Vec<bool>,
 }
 
@@ -25,6 +28,46 @@ impl RangeEnd {
     }
 }
 
+/// The two ends of a range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The lowest reading.
+    Low,
+    /// The highest one.
+    High,
+}
+
+impl Side {
+    /// Whether a reading is at this end or beyond.
+    pub(crate) fn is_reached(self, end: f64, reading: f64) -> bool {
+        self.is_passed(end, reading) || reading.to_bits() == end.to_bits()
+    }
+
+    /// Whether a reading is beyond this end.
+    fn is_passed(self, end: f64, reading: f64) -> bool {
+        match self {
+            Side::Low => reading < end,
+            Side::High => reading > end,
+        }
+    }
+
+    /// Whether a sensor that reads these values ends there: it comes so far, and hardly ever further.
+    pub(crate) fn is_end(self, end: f64, values: &[f64]) -> bool {
+        let count = |is: &dyn Fn(f64) -> bool| values.iter().filter(|value| is(**value)).count() as f64;
+        let reached = count(&|value| self.is_reached(end, value));
+        reached > 0.0 && count(&|value| self.is_passed(end, value)) <= (MOST_BEYOND * reached).max(1.0)
+    }
+
+    /// The reading nearest to this end that it repeats, if that is where the values end: a row or two may be beyond it.
+    fn repeated(self, values: &[f64]) -> Option<f64> {
+        let runs = values.windows(LEAST_RUN).filter(|run| run.iter().all(|value| value.to_bits() == run[0].to_bits()));
+        let outermost = |a: f64, b: f64| if self.is_passed(a, b) { b } else { a };
+        runs.map(|run| run[0]).reduce(outermost).filter(|end| self.is_end(*end, values))
+    }
+}
+
+/// Rows beyond an end, at most, as a share of those that reach it; one row may always be.
+const MOST_BEYOND: f64 = 0.02;
 /// Fewest rows in a row that show a missing noise or a visit.
 const LEAST_RUN: usize = 4;
 /// Fewest rows at an end, as a share: with less a fit loses nothing by judging them.
@@ -52,44 +95,62 @@ const TANK_PA: f64 = 2e5;
 /// What a sensor reads at the ends of its range, with its noise and step; the highest reading first.
 pub(crate) fn range_ends(signal: Signal, values: &[f64], step: f64) -> Vec<RangeEnd> {
     let (low, high) = extent(values);
-    if low >= high {
-        return Vec::new();
-    }
-    let is_tank = is_pressure(signal) && low.abs() < TANK_PA;
-    // At 0 a drive rests: no velocity, no flow, the rod run in.
-    let ends = [(high, high != 0.0), (low, low != 0.0 && !is_tank)];
-    ends.into_iter()
-        .filter(|(_, may)| *may)
-        .filter_map(|(end, _)| at_end(signal, values, step, end, high - low))
-        .collect()
+    let may = |side: Side, end: f64| {
+        // At 0 a drive rests: no velocity, no flow, the rod run in. Nor is a tank's pressure an end.
+        end != 0.0 && !(side == Side::Low && is_pressure(signal) && end.abs() < TANK_PA)
+    };
+    let sides = [Side::High, Side::Low];
+    let ends: Vec<(Side, f64)> = sides.into_iter().filter_map(|side| Some((side, side.repeated(values)?))).collect();
+    let readings = Readings { signal, values, step, span: high - low, rests: rests_elsewhere(values, &ends) };
+    let may = ends.iter().filter(|(side, end)| low < high && may(*side, *end));
+    may.filter_map(|(side, end)| readings.at_end(*side, *end)).collect()
 }
 
 fn is_pressure(signal: Signal) -> bool {
     matches!(signal, Signal::PressureA | Signal::PressureB | Signal::SupplyPressure | Signal::TankPressure)
 }
 
-fn at_end(signal: Signal, values: &[f64], step: f64, end: f64, span: f64) -> Option<RangeEnd> {
-    let is_there = |value: &f64| value.to_bits() == end.to_bits();
-    let count = values.iter().filter(|value| is_there(value)).count();
-    if (count as f64) < LEAST_SHARE * values.len() as f64 || count < 2 * LEAST_RUN {
-        return None;
+/// What a sensor reads.
+struct Readings<'a> {
+    signal: Signal,
+    values: &'a [f64],
+    /// Its resolution, and the difference between its highest and lowest reading.
+    step: f64,
+    span: f64,
+    /// Whether it rests away from its ends as well.
+    rests: bool,
+}
+
+impl Readings<'_> {
+    /// The end of the range, if this reading is one.
+    fn at_end(&self, side: Side, end: f64) -> Option<RangeEnd> {
+        let Self { signal, values, step, span, rests } = *self;
+        let is_there = |value: &f64| side.is_reached(end, *value);
+        let count = values.iter().filter(|value| is_there(value)).count();
+        if (count as f64) < LEAST_SHARE * values.len() as f64 || count < 2 * LEAST_RUN {
+            return None;
+        }
+        let visits: Vec<(usize, usize)> = visits(values, is_there);
+        let longest = visits.iter().map(|(from, to)| to - from).max()?;
+        let noise = noise_beside(values, &visits);
+        let is_silent = !rests && noise > (VISIBLE_STEPS * step).max(VISIBLE_SPAN * span) && {
+            let times = i32::try_from(longest - 1).unwrap_or(i32::MAX);
+            REPEATS_MOST.powi(times) * values.len() as f64 * ONCE_IN < 1.0
+        };
+        let cuts = matches!(signal, Signal::PressureA | Signal::PressureB | Signal::Force);
+        let has_corners = || {
+            let off = |row: Option<usize>| row.and_then(|row| values.get(row)).map(|value| (value - end).abs());
+            let corner = |row| off(row).is_none_or(|off| off > CORNER_STEPS * step.max(noise));
+            let cornered = |(from, to): &&(usize, usize)| corner(from.checked_sub(2)) && corner(Some(to + 1));
+            let cornered = visits.iter().filter(cornered).count();
+            cuts && cornered >= LEAST_VISITS && 5 * cornered >= 4 * visits.len()
+        };
+        (is_silent || has_corners()).then(|| RangeEnd {
+            reading: end,
+            side,
+            rows: joined(values.iter().map(is_there).collect()),
+        })
     }
-    let visits: Vec<(usize, usize)> = visits(values, is_there);
-    let longest = visits.iter().map(|(from, to)| to - from).max()?;
-    let noise = noise_beside(values, &visits);
-    let is_silent = !rests_elsewhere(values) && noise > (VISIBLE_STEPS * step).max(VISIBLE_SPAN * span) && {
-        let times = i32::try_from(longest - 1).unwrap_or(i32::MAX);
-        REPEATS_MOST.powi(times) * values.len() as f64 * ONCE_IN < 1.0
-    };
-    let cuts = matches!(signal, Signal::PressureA | Signal::PressureB | Signal::Force);
-    let has_corners = || {
-        let off = |row: Option<usize>| row.and_then(|row| values.get(row)).map(|value| (value - end).abs());
-        let corner = |row| off(row).is_none_or(|off| off > CORNER_STEPS * step.max(noise));
-        let cornered = |(from, to): &&(usize, usize)| corner(from.checked_sub(2)) && corner(Some(to + 1));
-        let cornered = visits.iter().filter(cornered).count();
-        cuts && cornered >= LEAST_VISITS && 5 * cornered >= 4 * visits.len()
-    };
-    (is_silent || has_corners()).then(|| RangeEnd { reading: end, rows: joined(values.iter().map(is_there).collect()) })
 }
 
 /// Runs of at least a few rows at an end.
@@ -129,9 +190,8 @@ fn noise_beside(values: &[f64], visits: &[(usize, usize)]) -> f64 {
 }
 
 /// Whether it also repeats a reading for some time away from both ends, as a sensor at rest without visible noise does.
-fn rests_elsewhere(values: &[f64]) -> bool {
-    let (low, high) = extent(values);
-    let is_between = |value: f64| low < value && value < high;
+fn rests_elsewhere(values: &[f64], ends: &[(Side, f64)]) -> bool {
+    let is_between = |value: f64| ends.iter().all(|(side, end)| !side.is_reached(*end, value));
     values.chunks_exact(REST_ROWS).any(|rows| {
         let repeats = |pair: &&[f64]| is_between(pair[0]) && pair[0].to_bits() == pair[1].to_bits();
         rows.windows(2).filter(repeats).count() as f64 > REST_REPEATS * REST_ROWS as f64

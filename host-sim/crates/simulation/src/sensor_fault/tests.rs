@@ -199,6 +199,29 @@ fn both_pressure_sensors_have_one_range() {
     }
 }
 
+/// A sensor that ends before its noise is added: where it is just inside, that lifts a row beyond the end.
+#[test]
+fn a_row_beyond_the_end_of_a_range_does_not_hide_it() {
+    let (time_s, pressure) = noisy();
+    let end = 3.5e6;
+    let mut read = cut(&pressure, 0.0, end);
+    let left = (1..read.len()).find(|&row| read[row - 1] >= end && read[row] < end).unwrap();
+    read[left] = end + 2e4;
+    let found = ends(Signal::PressureA, &read);
+    assert!(matches!(found.as_slice(), [(reading, _)] if (*reading - end).abs() < 1.0), "{found:?}");
+    let columns = vec![
+        recording::Column::si(Signal::Time, time_s.clone()),
+        recording::Column::si(Signal::Command, vec![0.0; time_s.len()]),
+        recording::Column::si(Signal::PressureA, read),
+    ];
+    let recording = Recording::new("a run", columns).unwrap();
+    assert_eq!(sensor_range(&recording, Signal::PressureA), (f64::NEG_INFINITY, end));
+    // A tenth of the rows beyond is no end.
+    let beyond: Vec<f64> = cut(&pressure, 0.0, end);
+    let lifted = beyond.iter().enumerate().map(|(row, pa)| if row % 10 == 0 { pressure[row].max(*pa) } else { *pa });
+    assert_eq!(ends(Signal::PressureA, &lifted.collect::<Vec<_>>()), []);
+}
+
 #[test]
 fn the_noise_of_a_sensor_is_that_of_the_rows_within_its_range() {
     let (time_s, pressure) = noisy();
