@@ -104,18 +104,20 @@ impl Chamber {
         let reach = self.follows * self.area_m2 * self.stroke_m / self.volume_m3;
         let volume = (1.0 + reach * out).clamp(least, end);
         let thin = 1.0 / (1.0 + pressure_pa.max(0.0) / ATMOSPHERE_PA);
-        let air = self.air * self.modulus_pa / ATMOSPHERE_PA;
-        let whole = oil * (volume + air * volume * thin * thin) + self.hose_m3_per_pa;
-        // The core computes the capacity relative to the smallest one, 1 + (volume − least)·o + volume·thin²·(air·o): o, air·o, the reach and
-        // the pressure in atmospheres are steep coefficients.
+        let air = 0.75 * self.air * self.modulus_pa / ATMOSPHERE_PA;
+        // Of bubbles with an exponent of 4/3.
+        let soft = thin.powf(1.75);
+        let whole = oil * (volume + air * volume * soft) + self.hose_m3_per_pa;
+        // The core computes the capacity relative to the smallest one, 1 + (volume − least)·o + volume·soft·(air·o): o, air·o, the reach and
+        // the pressure in atmospheres are steep coefficients, and soft has two roots.
         let smallest = oil * least + self.hose_m3_per_pa;
         let o = oil / smallest;
         let volume_error = HALF_STEEP * out.abs() + 2.0 * HALF * (1.0 + reach);
         let thin_error = INVERSE + HALF_STEEP * thin;
-        let error = (o + air * o * thin * thin) * volume_error
-            + HALF_STEEP * (volume - least + volume * thin * thin)
+        let error = (o + air * o * soft) * volume_error
+            + HALF_STEEP * (volume - least + volume * soft)
             + o * 2.0 * HALF
-            + air * o * (volume * 2.0 * thin * thin_error + 3.0 * HALF);
+            + air * o * (volume * 1.75 * thin.powf(0.75) * thin_error + 6.0 * HALF);
         let share = smallest / whole;
         Capacity { m3_per_pa: whole, error: error * share + INVERSE / share }
     }

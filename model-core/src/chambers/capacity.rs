@@ -1,16 +1,20 @@
 //! Capacity of the chambers where it is not constant: entrained air, and volumes that follow the piston.
 //!
-//! C = V/E0·(1 + E0·α·p0/p²) + hose with p = max(pressure, 0) + p0, p0 that of the atmosphere (free gas, isothermal), and
+//! C = V/E0·(1 + E0·α·(p0/p)^(1/n)/(n·p)) + hose with p = max(pressure, 0) + p0, p0 that of the atmosphere, n = 4/3 (free gas, polytropic), and
 //! V = V0 ± share·A·(y − stroke/2), not below 2 % of V0, nor so small that its pressure rise per tick at flow 1 leaves the format;
 //! in fixed point at most 8·V0. Pressures and flows of a tick see one capacity: that of the position at its start, and of the pressures that its
 //! start predicts for its middle.
-//! Source: Merritt, *Hydraulic Control Systems*, 1967, 2.3; ISO/TR 10949 for the free gas.
+//! Bubbles in a chamber whose pressure swings within tenths of a second exchange some heat with the oil: between n = 1, all of it, and 1.4, none.
+//! Source: Merritt, *Hydraulic Control Systems*, 1967, 2.3; Yu, Chen, Lu, J. Dyn. Syst. Meas. Control 116, 1994, for the free gas.
 
 use crate::number::Number;
 use crate::ports::{ChamberState, Flows};
 
 /// Least volume of a chamber, as a share of the one at mid-stroke.
 pub(crate) const LEAST_VOLUME: f64 = 0.02;
+
+/// Exponent n of the bubbles. (p0/p)^(1 + 1/n) is made of roots.
+pub(crate) const POLYTROPIC: f64 = 4.0 / 3.0;
 
 /// Coefficients of both capacities.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +36,7 @@ pub(crate) struct ChamberCapacity<N: Number> {
     pub(crate) least: N,
     /// Capacity of the oil in V0.
     pub(crate) oil: N::Steep,
-    /// That of the air in V0 at atmospheric pressure.
+    /// That of the air in V0 at atmospheric pressure, polytropic.
     pub(crate) air: N::Steep,
 }
 
@@ -44,10 +48,18 @@ impl<N: Number> Capacity<N> {
         let out = position - N::ONE.halved();
         let share = |side: &ChamberCapacity<N>, pressure: N, out: N| {
             let volume = (N::ONE + out.amplified(side.reach)).max(side.least);
-            let thinned = N::inverse_one_plus([pressure.max(N::ZERO)], [self.per_atmosphere]);
-            let air = volume.times(thinned.times(thinned));
+            let air = if self.is_airy { volume.times(self.softness(pressure)) } else { N::ZERO };
             N::inverse_one_plus([volume - side.least, air], [side.oil, side.air])
         };
         Flows { a: share(&self.a, pressures.a, out), b: share(&self.b, pressures.b, -out) }
+    }
+
+    /// (p0/p)^(1 + 1/n), by a square root and a fourth one.
+    #[inline]
+    fn softness(&self, pressure: N) -> N {
+        let thinned = N::inverse_one_plus([pressure.max(N::ZERO)], [self.per_atmosphere]);
+        let (root, _) = thinned.orifice_root(N::ZERO);
+        let (fourth, _) = root.orifice_root(N::ZERO);
+        thinned.times(root.times(fourth))
     }
 }

@@ -1,7 +1,7 @@
 //! Coefficients of the chambers.
 
 use super::Builder;
-use crate::chambers::capacity::{Capacity, ChamberCapacity, LEAST_VOLUME};
+use crate::chambers::capacity::{Capacity, ChamberCapacity, LEAST_VOLUME, POLYTROPIC};
 use crate::chambers::cavitation::Cavitation;
 use crate::chambers::{ChamberEffects, Chambers, ExternalLeakage};
 use crate::coefficients::bases::{GAIN_AIM, thinnest};
@@ -130,7 +130,7 @@ impl<R: Real> Builder<'_, R> {
         let chamber = |area: P, volume: P| -> Result<ChamberCapacity<N>, MachineError> {
             let reach = self.machine.volume_share() * self.get(area) * self.get(P::Stroke) / self.get(volume);
             let oil = self.oil(volume) / self.least_capacity(volume);
-            let air = self.get(P::AirShare) * self.get(P::BulkModulus) / R::constant(ATMOSPHERE_PA);
+            let air = self.get(P::AirShare) * self.get(P::BulkModulus) / R::constant(POLYTROPIC * ATMOSPHERE_PA);
             Ok(ChamberCapacity {
                 reach: self.steep::<N>("volume of a stroke", volume, reach)?,
                 least: self.signal("least volume", volume, self.least_volume(volume))?,

@@ -87,16 +87,28 @@ impl<N: Number> ValveEffects<N> {
         }
     }
 
+    /// Stiction of a spool without mass, which follows two lags: it jumps.
+    #[inline]
+    fn jumping(&self) -> Option<&Stiction<N>> {
+        self.stiction.as_ref().filter(|_| self.swing.is_none())
+    }
+
+    /// Stiction of a spool of second order: it slides.
+    #[inline]
+    pub(crate) fn sliding(&self) -> Option<&Stiction<N>> {
+        self.stiction.as_ref().filter(|_| self.swing.is_some())
+    }
+
     /// Output of the second lag at the start of a tick; `spool` is the position that was handed on.
     #[inline]
     pub(crate) fn second_lag(&self, state: &ValveEffectState<N>, spool: N) -> N {
-        if self.stiction.is_some() { state.free } else { spool }
+        if self.jumping().is_some() { state.free } else { spool }
     }
 
     /// The spool to hand on, from its last position and the second lag's output at the end of the tick.
     #[inline]
     pub(crate) fn handed_on(&self, state: &mut ValveEffectState<N>, spool: N, free: N) -> N {
-        let Some(stiction) = &self.stiction else { return free };
+        let Some(stiction) = self.jumping() else { return free };
         state.free = free;
         stiction.held(spool, free)
     }
@@ -241,11 +253,12 @@ impl<N: Number> SpeedLimit<N> {
     }
 }
 
-/// `spool-stiction`: the spool stays until its target is more than `band` away, then jumps to within `kept` of the target
-/// and stays again: static friction holds it, the smaller kinetic friction stops it short.
+/// `spool-stiction`: static friction holds the spool until its target is more than `band` away; then the smaller kinetic friction, as much as a target
+/// that is `kept` nearer, brakes it.
 ///
-/// Per unit spool travel; exact. A jump goes towards the free spool at the end of the tick; see
-/// [`Spool`](crate::ports::Spool) for how the jump is placed within the tick. A stick-slip limit of Armstrong-Hélouvry, Dupont &
+/// Per unit spool travel. A spool that follows two lags has no mass: it jumps to within `kept` of the free spool at the end of the tick and stays again; exact; see
+/// [`Spool`](crate::ports::Spool) for how the jump is placed within the tick. A spool of second order slides on until its speed turns round; it begins and
+/// ends to slide at the end of a tick. A stick-slip limit, and the whole law, of Armstrong-Hélouvry, Dupont &
 /// Canudas de Wit, *Automatica* 30, 1994.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stiction<N: Number> {
@@ -259,6 +272,18 @@ impl<N: Number> Stiction<N> {
         let asked = free - spool;
         let jumps = asked.magnitude().above(self.band);
         N::choose(jumps, || free - asked.select_positive(self.kept, -self.kept), || spool)
+    }
+
+    /// Position plus lead, and position, of a spool of second order after a tick on the way to `set`; `towards` moves it without friction.
+    #[inline]
+    pub(crate) fn slid(&self, (lag, spool): (N, N), set: N, towards: impl Fn(N) -> (N, N)) -> (N, N) {
+        let (lead, asked) = (lag - spool, set - spool);
+        let rests = lead.equals(N::ZERO);
+        let way = N::pick(rests, asked, lead);
+        let (lag, moved) = towards(set - way.select_positive(self.kept, -self.kept));
+        let onward = way.select_positive(lag - moved, moved - lag).above(N::ZERO);
+        let held = rests & !asked.magnitude().above(self.band);
+        (N::pick(held, spool, N::pick(onward, lag, moved)), N::pick(held, spool, moved))
     }
 }
 
@@ -359,6 +384,44 @@ mod tests {
     fn a_jump_ends_short_by_what_kinetic_friction_keeps() {
         let found = spools(&[(P::StictionBand, 0.1), (P::StictionKept, 0.2)], [0.06, 0.11, 0.16, 0.2, -0.02]);
         assert_near(found, [0.0, 0.09, 0.09, 0.18, 0.0]);
+    }
+
+    /// A spool of second order that sticks, from rest at 0: where it is after each of the ticks of a target.
+    fn sliding<N: Scalar<Real = f64>, const K: usize>(damping: f64, target: impl Fn(f64) -> f64) -> [f64; K] {
+        let valve = valve::<N>(&[
+            (P::NaturalFrequency, TURN / (core::f64::consts::TAU * 1e-3)),
+            (P::SpoolDamping, damping),
+            (P::StictionBand, 0.1),
+            (P::StictionKept, 0.4),
+        ]);
+        let mut state: ValveState<N, 64> = valve.at_rest(N::ZERO);
+        core::array::from_fn(|tick| valve.step(&mut state, N::saturated(target(tick as f64))).to.to_f64())
+    }
+
+    /// ω·h
+    const TURN: f64 = 0.05;
+
+    #[test]
+    fn a_spool_of_second_order_slides_until_it_would_turn_round() {
+        fn check<N: Scalar<Real = f64>>() {
+            assert!(sliding::<N, 50>(0.7, |_| 0.099).iter().all(|at| at.to_bits() == 0), "held");
+            // The spring pulls it towards 0.2 − 0.4·0.1; beyond that it turns round, and stays there if that is within the band of 0.2.
+            let damping = 0.3;
+            let way = sliding::<N, 200>(damping, |_| 0.2);
+            assert!((way[20] - 0.16 * response(damping, 21.0 * TURN)).abs() < 1e-4, "{}", way[20]);
+            let swing = libm::sqrt(1.0 - damping * damping);
+            let furthest = 0.16 * response(damping, core::f64::consts::PI / swing);
+            assert!((way[100] - furthest).abs() < 1e-4, "{} {furthest}", way[100]);
+            assert!(way[100..].iter().all(|at| at.to_bits() == way[100].to_bits()), "it rests");
+            // Along a ramp it trails by its kinetic friction and by its damping, and does not stop.
+            let slope = 2e-3;
+            let ramp = sliding::<N, 400>(0.7, |tick| slope * tick);
+            let behind = slope * 399.0 - ramp[399];
+            assert!((behind - 0.04 - 1.4 * slope / TURN).abs() < slope, "{behind}");
+            assert!(ramp[60..].windows(2).all(|pair| pair[1] - pair[0] > 0.5 * slope));
+        }
+        check::<PerUnit>();
+        check::<f64>();
     }
 
     #[test]

@@ -136,9 +136,14 @@ impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
             let moved = self.lagged(swing, state.lag, second, set);
             limit.map_or(moved, |limit| limit.held(second, moved))
         };
-        let (mut lag, mut free) = towards(delayed);
+        let (lag, sliding) = (state.lag, effects.and_then(ValveEffects::sliding));
+        let moved = |set: N| match sliding {
+            Some(stiction) => stiction.slid((lag, second), set, towards),
+            None => towards(set),
+        };
+        let (mut lag, mut free) = moved(delayed);
         if let Some(force) = effects.and_then(|effects| effects.flow_force.as_ref()) {
-            (lag, free) = towards(delayed - force.closes(second, free, across));
+            (lag, free) = moved(delayed - force.closes(second, free, across));
         }
         state.lag = lag;
         state.spool = effects.map_or(free, |effects| effects.handed_on(&mut state.effects, from, free));

@@ -2,7 +2,8 @@
 //!
 //! ## What it adds
 //! Bubbles of undissolved air make the oil soft at low pressure. With the share s of free air at atmospheric pressure
-//! the compressibility 1/E0 gains about `s·p_atm/p²` (isothermal, p absolute).
+//! the compressibility 1/E0 gains `s·(p_atm/p)^(1/n)/(n·p)` with p absolute and n = 4/3: while the pressure swings the bubbles keep
+//! most of their heat. Slow changes are isothermal, n = 1; the same softness at 50 bar then is twice the share.
 //!
 //! ## How it shows
 //! The flow that the model lacks follows dp/dt, below 30–50 bar only: pressure builds late after a reversal, and the
@@ -27,7 +28,7 @@ use super::{EffectParameter, Hypothesis, Kind, LookAlike, Subsystem};
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "entrained-air",
     subsystem: Subsystem::Chambers,
-    equation: "1/E = 1/E0 + s·p_atm/p²",
+    equation: "1/E = 1/E0 + s·(p_atm/p)^(1/n)/(n·p), n = 4/3",
     forms: &[&[EffectParameter { parameter: Parameter::AirShare, kind: Kind::Amount(|_| (1e-3, 0.05)) }]],
     look_alikes: &[
         LookAlike {

@@ -2,11 +2,12 @@
 //!
 //! ## What it adds
 //! The spool sticks in its bore, by lateral forces or dirt, until the command asks for a travel that differs by more
-//! than the band; then it jumps at once, to where kinetic friction stops it: x holds while `|x_set − x| ≤ band`.
+//! than the band: x holds while `|x_set − x| ≤ band`. Then kinetic friction keeps it short. A spool that follows two lags has no mass: it jumps at once to
+//! `kept·band` from `x_set` and sticks again. A spool of second order slides, pulled towards that place, until it would turn round.
 //!
 //! ## How it shows
 //! Flats in the spool while the command moves, then steps: the residual of the valve link is a saw-tooth as high as the
-//! band.
+//! band. A spool with mass is held only at the start of a move and after a reversal, unless the command creeps.
 //!
 //! ## What looks alike
 //! Valve hysteresis follows without jumps once its play is taken up. Dither hides both. A rod that sticks and slips
@@ -35,7 +36,7 @@ const KEPT: EffectParameter = EffectParameter { parameter: Parameter::StictionKe
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "spool-stiction",
     subsystem: Subsystem::Valve,
-    equation: "x holds while |x_set − x| ≤ band, then x = x_set ∓ kept·band",
+    equation: "x holds while |x_set − x| ≤ band, then it is pulled to x_set ∓ kept·band",
     forms: &[&[BAND], &[BAND, KEPT]],
     look_alikes: &[
         LookAlike { effect: "valve-hysteresis", told_apart_by: "slow triangle: play follows without jumps" },

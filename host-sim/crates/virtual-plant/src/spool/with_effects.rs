@@ -2,7 +2,7 @@
 //!
 //! The set value after rate limit and delay is exact ([`Spool`] without lags). On it act, in this order: hysteresis, saturation and
 //! drift on the set value; the two lags, exact over each step for a set value that is linear in it, or a mass on a damped spring, by the midpoint
-//! rule in finer steps; flow force, which shifts the target of the second lag or of the spring; the largest speed; stiction on the result. Steps of at most 0.125 ms keep the error of the spool within 1e-5 of its travel.
+//! rule in finer steps; flow force, which shifts the target of the second lag or of the spring; the largest speed; stiction on the result of the lags, or on the mass itself. Steps of at most 0.125 ms keep the error of the spool within 1e-5 of its travel.
 
 use super::linear::{Spool, SpoolParameters, Swings};
 use crate::effect::valve::ValveEffect;
@@ -239,7 +239,8 @@ impl ShapedSpool {
         let (moved_from, limit) = (self.moves_per_s, self.speed_per_s);
         let free = if let Some(swings) = self.swings {
             let pull = [self.pulled_to, pulled_to];
-            let (free, moves_per_s) = swings.moved((self.free, self.moves_per_s), pull, step_s, limit);
+            let (free, moves_per_s) =
+                swings.moved((self.free, self.moves_per_s), pull, step_s, (limit, self.sticking.as_ref()));
             self.moves_per_s = moves_per_s;
             free
         } else {
@@ -254,7 +255,7 @@ impl ShapedSpool {
         self.free = free;
         self.pulled_to = pulled_to;
         let from = self.x;
-        match &mut self.sticking {
+        match self.sticking.as_mut().filter(|_| !is_swinging) {
             None => {
                 self.x = free;
                 let [speed_from, speed_to] = if is_swinging {
@@ -287,18 +288,35 @@ impl ShapedSpool {
 const FINER: u32 = 8;
 
 impl Swings {
-    /// Position and speed of the mass after a step in which the spring's foot moves along `pull`; by the midpoint rule.
-    fn moved(self, (mut x, mut v): (f64, f64), pull: [f64; 2], step_s: f64, limit: f64) -> (f64, f64) {
+    /// Position and speed of the mass after a step in which the spring's foot moves along `pull`; by the midpoint rule. Friction holds it at rest,
+    /// brakes it as it moves, and stops it where it would turn round.
+    fn moved(
+        self,
+        (mut x, mut v): (f64, f64),
+        pull: [f64; 2],
+        step_s: f64,
+        (limit, sticking): (f64, Option<&Sticking>),
+    ) -> (f64, f64) {
         let fine_s = step_s / f64::from(FINER);
         let most = self.pulled * limit * self.drag_per_s;
         let gains =
             |x: f64, v: f64, foot: f64| (self.pull_per_s2 * (foot - x)).clamp(-most, most) - self.drag_per_s * v;
         for index in 0..FINER {
             let foot = |share: f64| pull[0] + (pull[1] - pull[0]) * (f64::from(index) + share) / f64::from(FINER);
+            let asked = foot(0.0) - x;
+            let way = if v == 0.0 { asked } else { v };
+            if sticking.is_some_and(|sticking| v == 0.0 && asked.abs() <= sticking.break_away) {
+                continue;
+            }
+            let rubbed = sticking.map_or(0.0, |sticking| sticking.kinetic.copysign(way));
+            let foot = |share: f64| foot(share) - rubbed;
             let (half_x, half_v) = (x + 0.5 * fine_s * v, v + 0.5 * fine_s * gains(x, v, foot(0.0)));
             let half_v = half_v.clamp(-limit, limit);
             x += fine_s * half_v;
             v = (v + fine_s * gains(half_x, half_v, foot(0.5))).clamp(-limit, limit);
+            if sticking.is_some() && v * way <= 0.0 {
+                v = 0.0;
+            }
         }
         (x, v)
     }

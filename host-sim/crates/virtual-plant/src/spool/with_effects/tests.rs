@@ -119,6 +119,23 @@ fn a_spool_that_jumps_at_once_makes_a_staircase_even_of_a_fast_ramp() {
     assert!(jumps.iter().all(|jump| (jump - 0.015).abs() < 1e-3), "{jumps:?}");
 }
 
+/// Kinetic friction shifts what the spring pulls it to; it overshoots that, and rests where it would turn round, within the break-away of its target.
+#[test]
+fn a_spool_on_a_spring_that_sticks_slides_until_it_would_turn_round() {
+    let (omega, zeta) = (250.0_f64, 0.5_f64);
+    let swings = Some(Swings { pull_per_s2: omega * omega, drag_per_s: 2.0 * zeta * omega, pulled: 1.0 });
+    let parameters = SpoolParameters { swings, rate_per_s: f64::INFINITY, delay_s: 0.0, ..PARAMETERS };
+    let effect = ValveEffect::Stiction { break_away: 0.1, kinetic_share: 0.4, jump_s: 0.0 };
+    let stepped =
+        |volts: f64| run_of(parameters, &[effect], 0.0, 200, |time_s| if time_s > 5e-4 { volts } else { 0.0 });
+    let positions = stepped(2.0);
+    let root = (1.0 - zeta * zeta).sqrt();
+    let furthest = 0.16 * (1.0 + (-std::f64::consts::PI * zeta / root).exp());
+    assert!((positions[100] - furthest).abs() < 1e-3, "{} {furthest}", positions[100]);
+    assert!(positions[100..].iter().all(|x| x.to_bits() == positions[100].to_bits()), "it rests");
+    assert!(stepped(0.99).iter().all(|x| *x == 0.0), "it is held");
+}
+
 #[test]
 fn the_neutral_drifts_and_the_solenoid_saturates() {
     let drift = run(&[ValveEffect::NullDrift { travel: 0.02, period_s: 2.0 }], 7e6, 2001, |_| 1.0);
