@@ -7,7 +7,7 @@ use model_core::machine::Parameter as P;
 use recording::Recording;
 use recording::excitation::signals::Excitation;
 use virtual_plant::sensor::sensors::PositionSensor;
-use virtual_plant::{Bench, Drive, InitialState, Plant, PlantEffect, Sensors};
+use virtual_plant::{Bench, Drive, InitialState, Plant, PlantEffect, Sensors, ValveEffect};
 
 use super::bed::{Case, accepted};
 
@@ -37,6 +37,15 @@ fn data_sheet() -> MachineFile {
 /// Recordings of the drive as it is: oil in the tank line at 3.2 bar, a spool that overshoots, volumes that follow the piston, seals with a
 /// friction of 1.2 % of full force, hoses that yield; and what is broken.
 fn case(broken: &[PlantEffect]) -> Case {
+    case_of(broken, &[random(1), random(2), Excitation::paper_steps(4.0), random(3)])
+}
+
+const fn random(seed: u64) -> Excitation {
+    Excitation::Random { amplitude_v: 6.0, shortest_s: 0.15, longest_s: 0.4, duration_s: 2.0, seed }
+}
+
+/// The same with these commands, the last of them held out.
+fn case_of(broken: &[PlantEffect], signals: &[Excitation]) -> Case {
     let file = data_sheet();
     let of_file = |parameter| file.machine.get(parameter);
     let factors = [
@@ -62,9 +71,6 @@ fn case(broken: &[PlantEffect]) -> Case {
     };
     let hoses = PlantEffect::HoseCompliance { compliance_m3_per_pa: 1e-13, stiffening_pressure_pa: 1e8 };
     let effects = [&[seals, hoses], broken].concat();
-    let random =
-        |seed| Excitation::Random { amplitude_v: 6.0, shortest_s: 0.15, longest_s: 0.4, duration_s: 2.0, seed };
-    let signals = [random(1), random(2), Excitation::paper_steps(4.0), random(3)];
     let recorded = |(index, signal): (usize, &Excitation)| {
         let plant = Plant::new(&truth, 1e-7).unwrap().with_effects(&effects);
         let mut sensors = Sensors::with_position(&truth, PositionSensor::Linear { resolution_m: 2e-5 });
@@ -76,7 +82,7 @@ fn case(broken: &[PlantEffect]) -> Case {
         made.rounded().to_recording(&format!("{index}.csv")).unwrap()
     };
     let mut training: Vec<Recording> = signals.iter().enumerate().map(recorded).collect();
-    let held_out = training.split_off(3);
+    let held_out = training.split_off(signals.len() - 1);
     Case { file, training, held_out }
 }
 
@@ -102,4 +108,29 @@ fn a_leak_is_named_alone_and_in_its_size() {
     let spool = found.refitted.iter().find(|one| one.parameter == P::NaturalFrequency).unwrap();
     assert!((spool.value / (0.85 * spool.before) - 1.0).abs() < 0.03, "{spool:?}");
     assert!(found.selection.base.fit.free.iter().all(|free| free.parameter != P::NaturalFrequency));
+}
+
+/// A model without stiction makes a slow spool of it, from which no search comes back.
+#[test]
+fn a_spool_with_mass_that_sticks_is_named_alone_and_in_its_size() {
+    let break_away = 0.045;
+    let sticks = PlantEffect::Valve(ValveEffect::Stiction { break_away, kinetic_share: 0.15, jump_s: 0.0 });
+    let sweep = |to_hz| Excitation::Sweep { amplitude_v: 5.0, from_hz: 0.6, to_hz, duration_s: 2.0 };
+    let triangle = Excitation::Triangle { amplitude_v: 4.0, frequency_hz: 0.6, duration_s: 2.0 };
+    let found = case_of(&[sticks], &[sweep(4.0), triangle, random(1), sweep(2.5)]).diagnose();
+    assert_eq!(accepted(&found), "spool-stiction");
+    let [band, kept] = [0, 1].map(|index| found.findings[0].parameters[index].value);
+    assert!((band / break_away - 1.0).abs() < 0.1, "{band}");
+    assert!((kept / 0.15 - 1.0).abs() < 0.25, "{kept}");
+}
+
+/// Beside a wide hysteresis the valve without it looks like one whose pull is limited: that it is its speed is found again with the hysteresis.
+#[test]
+fn a_hysteresis_is_fitted_beside_the_structure_that_the_valve_has() {
+    let width = 0.08;
+    let found = case(&[PlantEffect::Valve(ValveEffect::WeightedPlays { width })]).diagnose();
+    assert_eq!(accepted(&found), "valve-hysteresis");
+    assert!((found.findings[0].parameters[0].value / width - 1.0).abs() < 0.1, "{:?}", found.findings[0].parameters);
+    assert!(found.machine_after.get(P::SpeedOverdrive) > 2.0, "{}", found.machine_after.get(P::SpeedOverdrive));
+    assert!(found.left.iter().all(|miss| miss.signal != recording::Signal::Spool), "{:?}", found.left);
 }

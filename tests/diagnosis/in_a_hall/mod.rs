@@ -214,10 +214,10 @@ fn a_healthy_drive_whose_position_alone_is_measured_does_not_leak() {
     assert!(said.claims.is_empty(), "{}", said.line());
 }
 
-/// Worn edges beside the rounding that every valve has, a stop, a play with all sensors.
+/// Worn edges beside the rounding that every valve has, a supply that droops, a stop, a play with all sensors.
 #[test]
 fn a_worn_part_of_a_drive_in_a_hall_is_named_alone() {
-    let parts = [("valve-leakage", 0), ("end-stop", 0), ("linkage-backlash", 0)];
+    let parts = [("valve-leakage", 0), ("supply-droop", 0), ("end-stop", 0), ("linkage-backlash", 0)];
     let cases = parts.map(|(name, number)| (Matter::all().find(|matter| matter.name() == name).unwrap(), number));
     for said in all(&cases) {
         assert!(said.found() && said.falsely().next().is_none(), "{}", said.line());

@@ -4,6 +4,7 @@ use identification::experiment::Prepared;
 use identification::fit::{Estimate, FitError};
 use model_core::machine::Parameter;
 
+use crate::agreement::far_values;
 use crate::catalogue::Hypothesis;
 use crate::finding::{Finding, finding};
 use crate::selection::veto::stands_on_own_sides;
@@ -55,11 +56,21 @@ pub(crate) fn decide(
         return Decision::without(question, selection, vetoed, Some(confirmation));
     }
     let estimates = estimates(question, selection)?;
+    if only_bends(question, chosen, &estimates) {
+        return Decision::without(question, selection, vetoed, Some(confirmation));
+    }
     let mut findings: Vec<Finding> =
         chosen.effects.iter().map(|chosen| finding(chosen, selection, &estimates, &vetoed)).collect();
     findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     let confirmation = (!held.is_empty()).then_some(confirmation);
     Ok(Decision { findings, not_confirmed: vetoed, confirmation, after: chosen.clone(), estimates })
+}
+
+/// Whether a candidate model still misses more than noise, and that only with a base value that no such drive has: what bends it so far bends it towards
+/// effects that are not there.
+fn only_bends(question: &Question<'_>, chosen: &Candidate, estimates: &[Estimate]) -> bool {
+    chosen.misses_by_more_than_noise(question)
+        && far_values(question.base_parameters, estimates).iter().any(|far| far.is_impossible)
 }
 
 /// Estimates of the chosen candidate model. Free runs do not show when a spool jumps. So the stiction parameters have no standard deviation where
@@ -72,4 +83,33 @@ fn estimates(question: &Question<'_>, selection: &Selection) -> Result<Vec<Estim
         estimate.std = f64::NAN;
     }
     Ok(estimates)
+}
+
+#[cfg(test)]
+mod tests {
+    use identification::fit::Free;
+
+    use super::*;
+    use crate::selection::search::tests::with_press;
+
+    /// A bulk modulus that no oil has counts against a model that misses more than noise, and not against one that follows.
+    #[test]
+    fn a_model_that_follows_only_in_part_and_only_with_an_impossible_value_names_nothing() {
+        let asked = |unknown: &[(Parameter, f64)], value: f64| {
+            let mut bends = None;
+            with_press(unknown, |question| {
+                let before = question.scene.machine.get(Parameter::BulkModulus);
+                let free = [Free::around(Parameter::BulkModulus, before, 0.3 * before)];
+                let base = Candidate::rough(question, None).unwrap();
+                let estimate = Estimate { parameter: Parameter::BulkModulus, before, value, std: 1e5, at_bound: false };
+                let question = Question { base_parameters: &free, ..*question };
+                bends = Some(only_bends(&question, &base, &[estimate]));
+            });
+            bends.unwrap()
+        };
+        let rubs = [(Parameter::CoulombFriction, 300.0)];
+        assert!(asked(&rubs, 7e7));
+        assert!(!asked(&rubs, 1.1e9));
+        assert!(!asked(&[], 7e7));
+    }
 }

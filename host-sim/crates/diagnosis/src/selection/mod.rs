@@ -15,7 +15,7 @@ mod misfit_ranking;
 mod outcome;
 mod round;
 pub mod screen;
-mod search;
+pub(crate) mod search;
 mod valve;
 pub(crate) mod veto;
 

@@ -12,8 +12,8 @@ use super::{Fit, FitError, Free, From, StartState, fit, set_tolerances};
 use crate::experiment::Prepared;
 use crate::parallel;
 
-/// A spool that can be pulled this many times harder than its largest speed takes is limited in its speed alone.
-const OVERDRIVEN: f64 = 20.0;
+/// How much harder a spool can be pulled than its largest speed takes, where the pull is limited and where the speed alone is.
+pub const STRUCTURES: [f64; 2] = [0.05, 20.0];
 
 /// Parameters of the valve itself, without its effects.
 pub const OF_VALVE: &[Parameter] = &[
@@ -68,10 +68,18 @@ fn of_each_structure(
     overdrive: &Free,
     precision: f64,
 ) -> Result<Vec<Fit>, FitError> {
-    let structures = [1.0 / OVERDRIVEN, OVERDRIVEN].map(|value| [(overdrive.parameter, overdrive.coordinate(value))]);
+    let structures = STRUCTURES.map(|value| [(overdrive.parameter, overdrive.coordinate(value))]);
     parallel::try_each(&structures, |start| {
         fit(machine, free, cases, &From { coordinates: start, ..From::default() }, precision)
     })
+}
+
+/// The structure that the valve of a machine does not have, if nobody knows which it is: the parameter and its value.
+#[must_use]
+pub fn other_structure(machine: &Machine<f64>, free: &[Free]) -> Option<(Parameter, f64)> {
+    let overdrive = free.iter().find(|free| free.parameter == Parameter::SpeedOverdrive)?.parameter;
+    let [of_pull, of_speed] = STRUCTURES;
+    Some((overdrive, if machine.get(overdrive) > 1.0 { of_pull } else { of_speed }))
 }
 
 /// What moves the spool, fitted to the spool alone, and the recordings judged by it; `None` unless each recording has the spool and other signals, and

@@ -31,7 +31,7 @@ use crate::experiment::Prepared;
 
 pub use coarse::coarse;
 pub use correlation::{CORRELATED, Correlation};
-pub use first_search::{OF_VALVE, first_search, moves_spool, spool_alone};
+pub use first_search::{OF_VALVE, STRUCTURES, first_search, moves_spool, other_structure, spool_alone};
 pub use free::{Free, Freedom, REACH, REACH_SIGNED};
 pub use initial_state::{StartState, level_at_rest, settle, settled};
 pub use levenberg_marquardt::Progress;

@@ -6,21 +6,26 @@ mod refit;
 mod uncertainty;
 
 use identification::parallel;
-use refit::{Beginning, FINELY, Goes, PRECISION};
+use refit::{FINELY, PRECISION};
 
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
 use identification::fit::{
-    Counts, Fit, FitError, Free, Residuals, coarse, inflation, loss, settle, softened, with_channel_tolerances,
+    Counts, Fit, FitError, Free, Residuals, coarse, inflation, loss, other_structure, settle, softened,
+    with_channel_tolerances,
 };
 use model_core::machine::{Machine, Parameter};
+use recording::Signal;
 
 use super::decision_rule::{UNEXPLAINED_BY_SHEET_FROM, UNEXPLAINED_FROM};
 use super::screen::Lead;
-use crate::catalogue::{EffectParameter, Form, Hypothesis, Scene, is_elastic};
+use crate::catalogue::{EffectParameter, Form, Hypothesis, Scene, Subsystem, is_elastic};
 
 pub use neighbours::{Reference, Weighing, noisier};
-pub(crate) use refit::{NEARLY, SETTLED};
+pub(crate) use refit::{Beginning, Goes, NEARLY, SETTLED};
+
+/// A refit at twice the tick ends this many times above the loss that it has when it is refitted to the end, or less.
+const MAY_COME_BELOW: f64 = 2.0;
 
 /// The question put to the training recordings.
 #[derive(Clone, Copy, Debug)]
@@ -171,6 +176,7 @@ impl Candidate {
         let lost: Vec<(Parameter, f64)> =
             self.vanished(question.scene).into_iter().chain(self.stranded(question.scene)).collect();
         let again = if lost.is_empty() { self } else { self.or_from(question, &lost)? };
+        let again = again.or_of_other_valve(question)?;
         // Where much is free, a model without the effect leads the base parameters to places from which no search comes back.
         let astray = |candidate: &Self| candidate.is_pulled(question) && question.has_tolerances();
         if !astray(&again) {
@@ -199,14 +205,36 @@ impl Candidate {
         Ok(best)
     }
 
-    /// This candidate model, or the one that a refit with these effects from the nominal base parameters ends at, if its loss is smaller. That refit goes
-    /// to the end only where it comes below this one's loss.
+    /// This candidate model, or the one with the other structure of the valve, if its loss is smaller. A spool that plays or sticks makes the structure
+    /// look like the other one while it is not known to do so, and from there no search comes back.
+    fn or_of_other_valve(self, question: &Question<'_>) -> Result<Self, FitError> {
+        let is_of_valve = |chosen: &Chosen| chosen.effect.subsystem == Subsystem::Valve;
+        let is_judged = question.scene.judged.contains(&Signal::Spool);
+        if !is_judged || !self.effects.iter().any(is_of_valve) || !self.misses_by_more_than_noise(question) {
+            return Ok(self);
+        }
+        let Some(other) = other_structure(&self.fit.machine, question.base_parameters) else { return Ok(self) };
+        self.or_nearly_from(question, self.effects.clone(), &[other])
+    }
+
+    /// This candidate model, or the one that a refit with these effects from the nominal base parameters ends at, if its loss is smaller.
     fn or_from_nominal(&self, question: &Question<'_>, effects: Vec<Chosen>) -> Result<Self, FitError> {
         let values: Vec<_> = question.base_parameters.iter().map(|free| (free.parameter, free.value(0.0))).collect();
+        self.or_nearly_from(question, effects, &values)
+    }
+
+    /// This candidate model, or the one that a refit with these effects from these values ends at, if its loss is smaller. That refit goes to the end
+    /// only where it comes near this one's loss.
+    fn or_nearly_from(
+        &self,
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        values: &[(Parameter, f64)],
+    ) -> Result<Self, FitError> {
         let coarser = coarse(question.training, &self.fit.machine, &self.fit.starts)?;
-        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: Goes::Nearly(&coarser) };
+        let from = Beginning { fit: &self.fit, values, settled: &[], goes: Goes::Nearly(&coarser) };
         let near = Self::refitted(question, effects, self.jumps.clone(), &from)?;
-        if near.fit.loss >= self.fit.loss {
+        if near.fit.loss >= MAY_COME_BELOW * self.fit.loss {
             return Ok(self.clone());
         }
         let again = near.again_from(question, &[])?;

@@ -3,6 +3,7 @@
 
 pub(crate) mod jump_spacing;
 pub(crate) mod side;
+mod sliding;
 mod spool_jumps;
 mod stiction;
 pub(crate) mod unmeasured_spool;

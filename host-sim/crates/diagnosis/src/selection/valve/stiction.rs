@@ -10,6 +10,7 @@ use identification::experiment::Prepared;
 use identification::fit::{FitError, Residuals, StartState, softened_all};
 use model_core::machine::Parameter;
 
+use super::sliding::has_mass;
 use super::spool_jumps::{Sticking, is_alike};
 use crate::catalogue::Hypothesis;
 use crate::selection::candidate::{Candidate, Chosen, Question, Reference};
@@ -150,7 +151,7 @@ fn nearest(all: Vec<Beginning>) -> Beginning {
 
 /// Whether held-out jumps confirm an effect of the valve in a candidate model with stiction. Stiction itself is confirmed if the spool jumps as far
 /// there as in training, any other effect if the free spool that the jumps measure is followed better with it. `None` where the model has no
-/// stiction, or there are too few jumps.
+/// stiction, or its spool has mass, or there are too few jumps.
 pub(crate) fn confirms(
     question: &Question<'_>,
     candidate: &Candidate,
@@ -158,7 +159,8 @@ pub(crate) fn confirms(
     held_out: &[&Prepared],
 ) -> Result<Option<bool>, FitError> {
     let is_stiction = |chosen: &&Chosen| chosen.has(Parameter::StictionBand);
-    let Some(stiction) = candidate.effects.iter().find(is_stiction) else { return Ok(None) };
+    let stiction = candidate.effects.iter().find(is_stiction).filter(|_| !has_mass(question.scene.machine));
+    let Some(stiction) = stiction else { return Ok(None) };
     let (Some(sticking), Some(held_out)) =
         (Sticking::of(question.training, FEWEST_STICKING), Sticking::of(held_out, 1))
     else {
@@ -185,13 +187,14 @@ pub(crate) fn confirms(
 }
 
 /// What the valve's side chooses where its spool sticks and, if that is two effects, all tried candidate models of two. `None` where the spool does
-/// not stick, or where band or kept share would be above their admissible maximum.
+/// not stick, or has mass, or where band or kept share would be above their admissible maximum.
 pub(crate) fn stuck(
     question: &Question<'_>,
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Option<(Candidate, Vec<Trial>)>, FitError> {
     let stiction = question.form_with(&[Parameter::StictionBand, Parameter::StictionKept]);
-    let (Some(stiction), Some(sticking)) = (stiction, Sticking::of(question.training, FEWEST_STICKING)) else {
+    let jumping = Sticking::of(question.training, FEWEST_STICKING).filter(|_| !has_mass(question.scene.machine));
+    let (Some(stiction), Some(sticking)) = (stiction, jumping) else {
         return Ok(None);
     };
     let effects = question.hypotheses.iter().copied().filter(|effect| effect.name != stiction.effect.name).collect();

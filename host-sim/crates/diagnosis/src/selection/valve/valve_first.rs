@@ -48,15 +48,26 @@ impl Side {
         if !course.is_enough(&own, self.near()) {
             course.forward(&own, self.near(), done)?;
         }
-        let base = &course.base;
-        let accepted = |rival: Candidate| -> Result<Option<Candidate>, FitError> {
-            let may_be = rival.is_plausible(&own) && accepts(&own, base, base, &rival)?;
-            Ok(may_be.then_some(rival))
+        let base = &course.base.clone();
+        let may_be = |rival: &Candidate| -> Result<bool, FitError> {
+            Ok(rival.is_plausible(&own) && accepts(&own, base, base, rival)?)
         };
+        let accepted = |rival: Candidate| may_be(&rival).map(|may_be| may_be.then_some(rival));
         let rivals: Vec<_> = parallel::try_each(course.rivals, accepted)?;
         course.rivals = rivals.into_iter().flatten().collect();
         if explains_enough(&own, &course.base, &course.chosen, SIDE_EXPLAINED_TO) {
             course.explained.push(self);
+        }
+        // A spool with mass that sticks is found from the nominal valve alone.
+        if self == Self::Valve
+            && course.chosen.worst_over_noise(&own) > self.near()
+            && let Some(slides) = super::sliding::slides(&own, &course.base)?
+            && may_be(&slides)?
+            && slides.fit.loss < course.chosen.fit.loss
+        {
+            course.rounds.truncate(1);
+            course.rivals.clear();
+            course.chosen = slides;
         }
         // A spool that jumps is judged by its jumps.
         if self == Self::Valve
