@@ -40,10 +40,6 @@ fn case(broken: &[PlantEffect]) -> Case {
     case_of(broken, &[random(1), random(2), Excitation::paper_steps(4.0), random(3)])
 }
 
-const fn random(seed: u64) -> Excitation {
-    Excitation::Random { amplitude_v: 6.0, shortest_s: 0.15, longest_s: 0.4, duration_s: 2.0, seed }
-}
-
 /// The same with these commands, the last of them held out.
 fn case_of(broken: &[PlantEffect], signals: &[Excitation]) -> Case {
     let file = data_sheet();
@@ -84,6 +80,10 @@ fn case_of(broken: &[PlantEffect], signals: &[Excitation]) -> Case {
     let mut training: Vec<Recording> = signals.iter().enumerate().map(recorded).collect();
     let held_out = training.split_off(signals.len() - 1);
     Case { file, training, held_out }
+}
+
+const fn random(seed: u64) -> Excitation {
+    Excitation::Random { amplitude_v: 6.0, shortest_s: 0.15, longest_s: 0.4, duration_s: 2.0, seed }
 }
 
 #[test]

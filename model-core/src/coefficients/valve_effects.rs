@@ -6,7 +6,7 @@ use crate::machine::{MachineError, Parameter as P};
 use crate::number::relaxation::{Relaxation, fineness};
 use crate::number::{Number, Real};
 use crate::valve::effects::{
-    FlowForce, Hysteresis, NullDrift, SolenoidSaturation, SpeedLimit, Stiction, SwingingLimit, ValveEffects,
+    FlowForce, Hysteresis, NullDrift, STILL, SolenoidSaturation, SpeedLimit, Stiction, SwingingLimit, ValveEffects,
 };
 
 /// Largest ω·h that the limit of a spool's pull reckons with.
@@ -28,10 +28,11 @@ impl<R: Real> Builder<'_, R> {
                 Ok(Stiction {
                     band: self.signal("band of the stuck spool", P::StictionBand, band)?,
                     kept: self.signal(
-                        "what a jump ends short by",
+                        "what kinetic friction keeps it short by",
                         P::StictionKept,
                         band * self.get(P::StictionKept),
                     )?,
+                    still: self.signal("rest of the spool", P::StictionBand, R::constant(STILL))?,
                 })
             })?,
         })

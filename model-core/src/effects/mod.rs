@@ -38,8 +38,8 @@ macro_rules! effects {
             }
 
             SpoolStiction "spool-stiction" in Valve {
-                StictionBand: "band", "1", 0.0, 0.5, 0.0, "Spool travel that must be asked for before the stuck spool jumps.";
-                StictionKept: "kept", "1", 0.0, 0.95, 0.0, "Share of the band that a jump ends short by: kinetic over static friction.";
+                StictionBand: "band", "1", 0.0, 0.5, 0.0, "Spool travel that must be asked for before the stuck spool breaks away.";
+                StictionKept: "kept", "1", 0.0, 0.95, 0.0, "Kinetic over static friction: share of the band by which it keeps the spool short of its target.";
             } trial {
                 "": StictionBand = 0.01, StictionKept = 0.2;
             } strong {

@@ -1,7 +1,7 @@
 //! What Fig. 5 does not have: effects of the valve link, a spool that swings, and its largest speed.
 //!
 //! In the order of the chain: the neutral drifts, the solenoid saturates, the hysteresis lags behind (all before the rate limiter); the
-//! flow force pushes closed (before the lags); the spool swings instead of lagging, and its speed is limited; it sticks (after both). Each is
+//! flow force pushes closed (before the lags); the spool swings instead of lagging, and its speed is limited; it sticks (after both; a spool of second order as it moves). Each is
 //! `None` where its amount is 0, and the valve's step is then the one without the effect, bit for bit.
 
 use crate::effects::LinkEffects;
@@ -181,8 +181,8 @@ impl<N: Number> Hysteresis<N> {
 /// o is the travel beyond the dead zone, since the steady flow force, 2·Cd·w·o·Δp·cos θ (Merritt, *Hydraulic Control Systems*, 1967,
 /// eq. 5-29), depends on the opening. Δp ≥ 0 is the sum of both open edges' differences at the start of the tick. A tick uses the
 /// mean of c at both ends, weighted as the slower lag weights them: ½ each where it is slow, only the end where there are no lags.
-/// c at the end is solved for, so that no force, however strong, makes the spool oscillate from tick to tick. For a stuck spool the
-/// force at its free position is used.
+/// c at the end is solved for, so that no force, however strong, makes the spool oscillate from tick to tick. For a stuck spool that
+/// follows two lags the force at its free position is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FlowForce<N: Number> {
     /// Share of its opening by which the spool closes, per pressure.
@@ -253,18 +253,22 @@ impl<N: Number> SpeedLimit<N> {
     }
 }
 
-/// `spool-stiction`: static friction holds the spool until its target is more than `band` away; then the smaller kinetic friction, as much as a target
-/// that is `kept` nearer, brakes it.
+/// `spool-stiction`: static friction holds the spool until its target is more than `band` away. Once it moves, kinetic friction acts as if the target were
+/// `kept` nearer.
 ///
 /// Per unit spool travel. A spool that follows two lags has no mass: it jumps to within `kept` of the free spool at the end of the tick and stays again; exact; see
-/// [`Spool`](crate::ports::Spool) for how the jump is placed within the tick. A spool of second order slides on until its speed turns round; it begins and
-/// ends to slide at the end of a tick. A stick-slip limit, and the whole law, of Armstrong-Hélouvry, Dupont &
-/// Canudas de Wit, *Automatica* 30, 1994.
+/// [`Spool`](crate::ports::Spool) for how the jump is placed within the tick. A spool of second order slides until its speed would turn round, at
+/// the end of a tick, or is below `STILL`. Armstrong-Hélouvry, Dupont & Canudas de Wit, *Automatica* 30, 1994.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stiction<N: Number> {
     pub(crate) band: N,
     pub(crate) kept: N,
+    /// A lead x′/ω below this counts as rest: a spool that does not overshoot never turns round.
+    pub(crate) still: N,
 }
+
+/// [`Stiction::still`], of full travel.
+pub(crate) const STILL: f64 = 1e-6;
 
 impl<N: Number> Stiction<N> {
     #[inline]
@@ -278,7 +282,7 @@ impl<N: Number> Stiction<N> {
     #[inline]
     pub(crate) fn slid(&self, (lag, spool): (N, N), set: N, towards: impl Fn(N) -> (N, N)) -> (N, N) {
         let (lead, asked) = (lag - spool, set - spool);
-        let rests = lead.equals(N::ZERO);
+        let rests = !lead.magnitude().above(self.still);
         let way = N::pick(rests, asked, lead);
         let (lag, moved) = towards(set - way.select_positive(self.kept, -self.kept));
         let onward = way.select_positive(lag - moved, moved - lag).above(N::ZERO);
@@ -413,6 +417,11 @@ mod tests {
             let furthest = 0.16 * response(damping, core::f64::consts::PI / swing);
             assert!((way[100] - furthest).abs() < 1e-4, "{} {furthest}", way[100]);
             assert!(way[100..].iter().all(|at| at.to_bits() == way[100].to_bits()), "it rests");
+            // One that does not overshoot creeps to its place, and sticks there all the same.
+            let (first, second) = (0.2, 0.25);
+            let way = sliding::<N, 700>(1.5, |tick| if tick < 600.0 { first } else { second });
+            assert!((way[599] - 0.16).abs() < 1e-4, "{}", way[599]);
+            assert!((way[699] - way[599]).abs() < 1e-5, "{} {}", way[599], way[699]);
             // Along a ramp it trails by its kinetic friction and by its damping, and does not stop.
             let slope = 2e-3;
             let ramp = sliding::<N, 400>(0.7, |tick| slope * tick);

@@ -56,19 +56,19 @@ pub(crate) fn decide(
         return Decision::without(question, selection, vetoed, Some(confirmation));
     }
     let estimates = estimates(question, selection)?;
-    if only_bends(question, chosen, &estimates) {
-        return Decision::without(question, selection, vetoed, Some(confirmation));
+    let confirmation = (!held.is_empty()).then_some(confirmation);
+    if makes_up(question, chosen, &estimates) {
+        return Decision::without(question, selection, vetoed, confirmation);
     }
     let mut findings: Vec<Finding> =
         chosen.effects.iter().map(|chosen| finding(chosen, selection, &estimates, &vetoed)).collect();
     findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
-    let confirmation = (!held.is_empty()).then_some(confirmation);
     Ok(Decision { findings, not_confirmed: vetoed, confirmation, after: chosen.clone(), estimates })
 }
 
-/// Whether a candidate model still misses more than noise, and that only with a base value that no such drive has: what bends it so far bends it towards
-/// effects that are not there.
-fn only_bends(question: &Question<'_>, chosen: &Candidate, estimates: &[Estimate]) -> bool {
+/// Whether a candidate model still misses more than noise although a base value is one that no such drive has: its effects then make up for something
+/// else.
+fn makes_up(question: &Question<'_>, chosen: &Candidate, estimates: &[Estimate]) -> bool {
     chosen.misses_by_more_than_noise(question)
         && far_values(question.base_parameters, estimates).iter().any(|far| far.is_impossible)
 }
@@ -103,7 +103,7 @@ mod tests {
                 let base = Candidate::rough(question, None).unwrap();
                 let estimate = Estimate { parameter: Parameter::BulkModulus, before, value, std: 1e5, at_bound: false };
                 let question = Question { base_parameters: &free, ..*question };
-                bends = Some(only_bends(&question, &base, &[estimate]));
+                bends = Some(makes_up(&question, &base, &[estimate]));
             });
             bends.unwrap()
         };

@@ -7,7 +7,7 @@
 //!
 //! ## How it shows
 //! Flats in the spool while the command moves, then steps: the residual of the valve link is a saw-tooth as high as the
-//! band. A spool with mass is held only at the start of a move and after a reversal, unless the command creeps.
+//! band. A spool with mass is held only at the start of a move and after a reversal; under a creeping command it sticks and slips.
 //!
 //! ## What looks alike
 //! Valve hysteresis follows without jumps once its play is taken up. Dither hides both. A rod that sticks and slips
@@ -16,7 +16,7 @@
 //! of the hysteresis loop, and is never accepted there.
 //!
 //! ## Parameters
-//! Band in parts of full travel, not negative: 0.5–3 %, 6 % in a silted valve; the share of the band by which a jump ends short,
+//! Band in parts of full travel, not negative: 0.5–3 %, 6 % in a silted valve; the share of the band by which the spool stays short of its target,
 //! which is the ratio of kinetic to static friction.
 //!
 //! ## Source

@@ -27,10 +27,10 @@ fn valve(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(String,
     let supply_pa = drive.supply_pa();
     Some(match parameter {
         P::HysteresisWidth => travel(drive, value, "between settling from above and from below"),
-        P::StictionBand => travel(drive, value, "before the spool jumps"),
+        P::StictionBand => travel(drive, value, "before the spool breaks away"),
         P::NullDriftTravel => travel(drive, value, which(value, "towards extending", "towards retracting")),
         P::HysteresisSpread => said(percent(value), "by which the widths of its elements differ from their mean"),
-        P::StictionKept => said(percent(value), "of the band that a jump ends short by"),
+        P::StictionKept => said(percent(value), "of the band by which kinetic friction keeps it short"),
         P::SolenoidOnset => said(percent(value), "of full spool travel, where the gain starts to fall"),
         P::SolenoidCurvature => {
             let beyond = (1.0 - drive.get(P::SolenoidOnset)).max(0.0);

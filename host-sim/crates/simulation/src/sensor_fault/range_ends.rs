@@ -55,10 +55,11 @@ impl Side {
     pub(crate) fn is_end(self, end: f64, values: &[f64]) -> bool {
         let count = |is: &dyn Fn(f64) -> bool| values.iter().filter(|value| is(**value)).count() as f64;
         let reached = count(&|value| self.is_reached(end, value));
-        reached > 0.0 && count(&|value| self.is_passed(end, value)) <= (MOST_BEYOND * reached).max(1.0)
+        let is_there = values.iter().any(|value| value.to_bits() == end.to_bits());
+        is_there && count(&|value| self.is_passed(end, value)) <= (MOST_BEYOND * reached).max(1.0)
     }
 
-    /// The reading nearest to this end that it repeats, if that is where the values end: a row or two may be beyond it.
+    /// The reading nearest to this end that is repeated, if that is where the values end: a row or two may be beyond it.
     fn repeated(self, values: &[f64]) -> Option<f64> {
         let runs = values.windows(LEAST_RUN).filter(|run| run.iter().all(|value| value.to_bits() == run[0].to_bits()));
         let outermost = |a: f64, b: f64| if self.is_passed(a, b) { b } else { a };
@@ -68,6 +69,8 @@ impl Side {
 
 /// Rows beyond an end, at most, as a share of those that reach it; one row may always be.
 const MOST_BEYOND: f64 = 0.02;
+/// Noise lifts a row so many standard deviations, or steps, beyond an end at most.
+const BEYOND_NOISE: f64 = 6.0;
 /// Fewest rows in a row that show a missing noise or a visit.
 const LEAST_RUN: usize = 4;
 /// Fewest rows at an end, as a share: with less a fit loses nothing by judging them.
@@ -101,9 +104,11 @@ pub(crate) fn range_ends(signal: Signal, values: &[f64], step: f64) -> Vec<Range
     };
     let sides = [Side::High, Side::Low];
     let ends: Vec<(Side, f64)> = sides.into_iter().filter_map(|side| Some((side, side.repeated(values)?))).collect();
+    if low >= high || matches!(ends.as_slice(), [(_, one), (_, other)] if one.to_bits() == other.to_bits()) {
+        return Vec::new();
+    }
     let readings = Readings { signal, values, step, span: high - low, rests: rests_elsewhere(values, &ends) };
-    let may = ends.iter().filter(|(side, end)| low < high && may(*side, *end));
-    may.filter_map(|(side, end)| readings.at_end(*side, *end)).collect()
+    ends.iter().filter(|(side, end)| may(*side, *end)).filter_map(|(side, end)| readings.at_end(*side, *end)).collect()
 }
 
 fn is_pressure(signal: Signal) -> bool {
@@ -114,8 +119,9 @@ fn is_pressure(signal: Signal) -> bool {
 struct Readings<'a> {
     signal: Signal,
     values: &'a [f64],
-    /// Its resolution, and the difference between its highest and lowest reading.
+    /// Its resolution.
     step: f64,
+    /// Difference between its highest and lowest reading.
     span: f64,
     /// Whether it rests away from its ends as well.
     rests: bool,
@@ -133,6 +139,11 @@ impl Readings<'_> {
         let visits: Vec<(usize, usize)> = visits(values, is_there);
         let longest = visits.iter().map(|(from, to)| to - from).max()?;
         let noise = noise_beside(values, &visits);
+        let is_noise =
+            |value: &f64| !side.is_passed(end, *value) || (value - end).abs() <= BEYOND_NOISE * noise.max(step);
+        if !values.iter().all(is_noise) {
+            return None;
+        }
         let is_silent = !rests && noise > (VISIBLE_STEPS * step).max(VISIBLE_SPAN * span) && {
             let times = i32::try_from(longest - 1).unwrap_or(i32::MAX);
             REPEATS_MOST.powi(times) * values.len() as f64 * ONCE_IN < 1.0

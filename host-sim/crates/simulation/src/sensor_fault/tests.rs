@@ -243,6 +243,17 @@ fn a_sensor_without_visible_noise_shows_an_end_of_its_range_by_corners() {
     assert_eq!(ends(Signal::PressureB, &cut(&floor, 0.0, 9e6)), []);
 }
 
+/// Short ringing pulses out of a rest of a quiet sensor.
+#[test]
+fn a_rest_that_pulses_leave_to_both_sides_is_at_no_end_of_a_range() {
+    let pulse = |row: u32| {
+        let since = f64::from(row % 1000) - 500.0;
+        if (0.0..40.0).contains(&since) { 8e5 * (-0.1 * since).exp() * (0.8 * since).cos() } else { 0.0 }
+    };
+    let values: Vec<f64> = (0..3000).map(|row| ((6e6 + pulse(row)) / 1e4).round() * 1e4).collect();
+    assert_eq!(ends(Signal::PressureA, &values), []);
+}
+
 #[test]
 fn what_rests_at_its_highest_or_lowest_value_is_at_no_end_of_a_range() {
     // A rod that rests in both directions against its stops.

@@ -21,7 +21,7 @@ pub enum ValveEffect {
         break_away: f64,
         /// Kinetic friction relative to static friction; the jump is shorter by this share.
         kinetic_share: f64,
-        /// Time constant of the jump, s; 0: it jumps at once, and sticks again wherever it ends.
+        /// Time constant of the jump, s; 0: it jumps at once, and sticks again wherever it ends. Not used by a mass on a spring.
         jump_s: f64,
     },
     /// The neutral moves with time: a straight line with a slow sine added.

@@ -240,7 +240,7 @@ impl ShapedSpool {
         let free = if let Some(swings) = self.swings {
             let pull = [self.pulled_to, pulled_to];
             let (free, moves_per_s) =
-                swings.moved((self.free, self.moves_per_s), pull, step_s, (limit, self.sticking.as_ref()));
+                swings.moved((self.free, self.moves_per_s), pull, step_s, limit, self.sticking.as_ref());
             self.moves_per_s = moves_per_s;
             free
         } else {
@@ -284,6 +284,8 @@ impl ShapedSpool {
     }
 }
 
+/// A mass that would come no further than this before its spring pulls it back rests, of full travel.
+const STILL: f64 = 1e-6;
 /// Finer steps of a mass on a spring within a step.
 const FINER: u32 = 8;
 
@@ -295,7 +297,8 @@ impl Swings {
         (mut x, mut v): (f64, f64),
         pull: [f64; 2],
         step_s: f64,
-        (limit, sticking): (f64, Option<&Sticking>),
+        limit: f64,
+        sticking: Option<&Sticking>,
     ) -> (f64, f64) {
         let fine_s = step_s / f64::from(FINER);
         let most = self.pulled * limit * self.drag_per_s;
@@ -304,8 +307,11 @@ impl Swings {
         for index in 0..FINER {
             let foot = |share: f64| pull[0] + (pull[1] - pull[0]) * (f64::from(index) + share) / f64::from(FINER);
             let asked = foot(0.0) - x;
-            let way = if v == 0.0 { asked } else { v };
-            if sticking.is_some_and(|sticking| v == 0.0 && asked.abs() <= sticking.break_away) {
+            // One that does not overshoot never turns round: it creeps.
+            let rests = v.abs() <= STILL * self.pull_per_s2.sqrt();
+            let way = if rests { asked } else { v };
+            if sticking.is_some_and(|sticking| rests && asked.abs() <= sticking.break_away) {
+                v = 0.0;
                 continue;
             }
             let rubbed = sticking.map_or(0.0, |sticking| sticking.kinetic.copysign(way));

@@ -24,7 +24,7 @@ use crate::catalogue::{EffectParameter, Form, Hypothesis, Scene, Subsystem, is_e
 pub use neighbours::{Reference, Weighing, noisier};
 pub(crate) use refit::{Beginning, Goes, NEARLY, SETTLED};
 
-/// A refit at twice the tick ends this many times above the loss that it has when it is refitted to the end, or less.
+/// A refit at twice the tick may lose this many times what it loses once it is refitted to the end.
 const MAY_COME_BELOW: f64 = 2.0;
 
 /// The question put to the training recordings.

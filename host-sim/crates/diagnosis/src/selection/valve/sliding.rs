@@ -1,13 +1,13 @@
 //! Stiction of a spool with mass: it sticks until it breaks away, and then slides until it would turn round.
 //!
-//! What it does hangs together smoothly, but a model without stiction makes a slow spool of it, from which no search comes back. It is therefore
-//! searched from the nominal valve, from several bands and with each structure that the valve may have, on the spool alone.
+//! It does not jump, so that the instants of its jumps are not needed. But a model without stiction makes a slow spool of it, from which no search comes
+//! back. It is therefore searched from the nominal valve, from several bands and with each structure that the valve may have, on the spool alone.
 
 use identification::fit::{FitError, STRUCTURES, coarse};
 use identification::parallel;
 use model_core::machine::{Machine, Parameter};
 
-use crate::selection::candidate::{Beginning, Candidate, Goes, Question};
+use crate::selection::candidate::{Beginning, Candidate, Goes, Question, SETTLED};
 
 /// Bands that the search starts from, of full travel: those of the usual range, two and a half times apart.
 const BANDS: [f64; 3] = [0.008, 0.02, 0.05];
@@ -15,8 +15,14 @@ const BANDS: [f64; 3] = [0.008, 0.02, 0.05];
 const KEPT: [f64; 2] = [0.1, 0.4];
 /// Refits to the end, at most: each moves band and kept share, which have no derivative.
 const REFITS: usize = 6;
-/// A refit that takes less of the loss than this is the last.
-const SETTLED: f64 = 1e-3;
+
+/// Where the search starts.
+struct Start {
+    band: f64,
+    kept: f64,
+    /// How much harder the spool can be pulled than its largest speed takes.
+    structure: f64,
+}
 
 /// Whether the spool of a machine has mass.
 pub(super) fn has_mass(machine: &Machine<f64>) -> bool {
@@ -30,11 +36,14 @@ pub(super) fn slides(question: &Question<'_>, base: &Candidate) -> Result<Option
     let coarser = coarse(question.training, &base.fit.machine, &base.fit.starts)?;
     let nominal: Vec<(Parameter, f64)> =
         question.base_parameters.iter().map(|free| (free.parameter, free.value(0.0))).collect();
-    let starts: Vec<[f64; 3]> = BANDS
-        .iter()
-        .flat_map(|band| KEPT.iter().flat_map(move |kept| STRUCTURES.map(|structure| [*band, *kept, structure])))
-        .collect();
-    let from_start = |[band, kept, structure]: &[f64; 3]| {
+    let structures = nominal.iter().any(|(parameter, _)| *parameter == Parameter::SpeedOverdrive);
+    let structures = if structures { STRUCTURES.as_slice() } else { &STRUCTURES[..1] };
+    let start = |band, kept, structure| Start { band, kept, structure };
+    let of_band = |&band: &f64| {
+        KEPT.iter().flat_map(move |&kept| structures.iter().map(move |&structure| start(band, kept, structure)))
+    };
+    let starts: Vec<Start> = BANDS.iter().flat_map(of_band).collect();
+    let from_start = |Start { band, kept, structure }: &Start| {
         let mut values = nominal.clone();
         for (parameter, value) in &mut values {
             if *parameter == Parameter::SpeedOverdrive {
@@ -50,7 +59,9 @@ pub(super) fn slides(question: &Question<'_>, base: &Candidate) -> Result<Option
     for _ in 0..REFITS {
         let further = best.finished(question)?;
         let is_there = further.fit.loss > (1.0 - SETTLED) * best.fit.loss;
-        best = further;
+        if further.fit.loss < best.fit.loss || !best.is_finished {
+            best = further;
+        }
         if is_there {
             break;
         }

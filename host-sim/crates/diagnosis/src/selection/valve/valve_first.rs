@@ -21,7 +21,7 @@ use crate::selection::forward::Course;
 use crate::selection::likelihood::accepts;
 use crate::selection::misfit_ranking::ranked_by_misfit;
 use crate::selection::outcome::Trial;
-use crate::selection::round::{explains_enough, finished, reduced, trial};
+use crate::selection::round::{enter, explains_enough, finished, reduced, trial};
 use crate::selection::search::open_to;
 
 impl Side {
@@ -48,16 +48,13 @@ impl Side {
         if !course.is_enough(&own, self.near()) {
             course.forward(&own, self.near(), done)?;
         }
-        let base = &course.base.clone();
+        let base = &course.base;
         let may_be = |rival: &Candidate| -> Result<bool, FitError> {
             Ok(rival.is_plausible(&own) && accepts(&own, base, base, rival)?)
         };
         let accepted = |rival: Candidate| may_be(&rival).map(|may_be| may_be.then_some(rival));
         let rivals: Vec<_> = parallel::try_each(course.rivals, accepted)?;
         course.rivals = rivals.into_iter().flatten().collect();
-        if explains_enough(&own, &course.base, &course.chosen, SIDE_EXPLAINED_TO) {
-            course.explained.push(self);
-        }
         // A spool with mass that sticks is found from the nominal valve alone.
         if self == Self::Valve
             && course.chosen.worst_over_noise(&own) > self.near()
@@ -66,8 +63,12 @@ impl Side {
             && slides.fit.loss < course.chosen.fit.loss
         {
             course.rounds.truncate(1);
+            enter(&own, base, &mut course.rounds, &slides);
             course.rivals.clear();
             course.chosen = slides;
+        }
+        if explains_enough(&own, base, &course.chosen, SIDE_EXPLAINED_TO) {
+            course.explained.push(self);
         }
         // A spool that jumps is judged by its jumps.
         if self == Self::Valve
