@@ -42,7 +42,7 @@ pub(crate) struct ChamberCapacity<N: Number> {
 
 impl<N: Number> Capacity<N> {
     /// The least capacity over that at these pressures and this position (strokes), 0..1: the share of the stiffness that is left.
-    /// Error 2e-8.
+    /// Error 2e-8, and 1.1e-8 times the coefficient of the air.
     #[inline]
     pub(crate) fn shares(&self, pressures: ChamberState<N>, position: N) -> Flows<N> {
         let out = position - N::ONE.halved();
