@@ -14,14 +14,14 @@ mod spikes;
 use std::borrow::Cow;
 
 use dropouts::stretches;
-use range_ends::{Side, range_ends};
+use range_ends::range_ends;
 use spikes::spikes;
 
 use recording::{Recording, Signal};
 
 use crate::signal::noise::{noise, resolution};
 
-pub use range_ends::RangeEnd;
+pub use range_ends::{RangeEnd, Side};
 
 /// Kind of failure over several rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -34,8 +34,7 @@ pub(super) fn slides(question: &Question<'_>, base: &Candidate) -> Result<Option
     let stiction = question.form_with(&[Parameter::StictionBand, Parameter::StictionKept]);
     let Some(stiction) = stiction.filter(|_| has_mass(question.scene.machine)) else { return Ok(None) };
     let coarser = coarse(question.training, &base.fit.machine, &base.fit.starts)?;
-    let nominal: Vec<(Parameter, f64)> =
-        question.base_parameters.iter().map(|free| (free.parameter, free.value(0.0))).collect();
+    let nominal = question.nominal();
     let structures = nominal.iter().any(|(parameter, _)| *parameter == Parameter::SpeedOverdrive);
     let structures = if structures { STRUCTURES.as_slice() } else { &STRUCTURES[..1] };
     let start = |band, kept, structure| Start { band, kept, structure };

@@ -1,0 +1,90 @@
+//! Refits from elsewhere: a search that has ended where none comes back begins again from other values, and the better end is taken.
+
+use identification::fit::{FitError, coarse, other_structure};
+use model_core::machine::Parameter;
+use recording::Signal;
+
+use super::refit::{Beginning, Goes};
+use super::{Candidate, Chosen, Question};
+use crate::catalogue::{Form, Subsystem};
+
+/// A refit at twice the tick may lose this many times what it loses once it is refitted to the end.
+const MAY_COME_BELOW: f64 = 2.0;
+
+impl Candidate {
+    /// The candidate model after a refit to the end, refitted once more if that lowers the loss. An amount that vanished beside others has no
+    /// derivative that leads back, nor has an effect parameter at an end of its admissible range: the middle of the range is tried.
+    pub fn unstuck(self, question: &Question<'_>) -> Result<Self, FitError> {
+        let lost: Vec<(Parameter, f64)> =
+            self.vanished(question.scene).into_iter().chain(self.stranded(question.scene)).collect();
+        let again = if lost.is_empty() { self } else { self.or_from(question, &lost)? };
+        let again = again.or_of_other_valve(question)?;
+        // Where much is free, a model without the effect leads the base parameters to places from which no search comes back.
+        let astray = |candidate: &Self| candidate.is_pulled(question) && question.has_tolerances();
+        if !astray(&again) {
+            return Ok(again);
+        }
+        let found = again.or_from_nominal(question, again.effects.clone())?;
+        if astray(&found) { found.or_elsewhere(question) } else { Ok(found) }
+    }
+
+    /// This candidate model, or the one with another form of one of its effects that presses against the end of its tolerance beside it, if its loss is
+    /// smaller: of two pressure sensors the wrong one was taken.
+    fn or_elsewhere(self, question: &Question<'_>) -> Result<Self, FitError> {
+        let mut best = self;
+        for index in 0..best.effects.len() {
+            let Some(&Chosen { effect, form }) = best.effects.get(index) else { continue };
+            let others: Vec<Form> =
+                effect.forms_in(question.scene).filter(|other| other.as_ptr() != form.as_ptr()).collect();
+            for form in others {
+                if best.presses(question, effect, form) {
+                    let mut effects = best.effects.clone();
+                    effects[index] = Chosen { effect, form };
+                    best = best.or_from_nominal(question, effects)?;
+                }
+            }
+        }
+        Ok(best)
+    }
+
+    /// This candidate model, or the one with the other structure of the valve, if its loss is smaller. A spool that plays or sticks makes the structure
+    /// look like the other one while it is not known to do so, and from there no search comes back.
+    fn or_of_other_valve(self, question: &Question<'_>) -> Result<Self, FitError> {
+        let is_of_valve = |chosen: &Chosen| chosen.effect.subsystem == Subsystem::Valve;
+        let is_judged = question.scene.judged.contains(&Signal::Spool);
+        if !is_judged || !self.effects.iter().any(is_of_valve) || !self.misses_by_more_than_noise(question) {
+            return Ok(self);
+        }
+        let Some(other) = other_structure(&self.fit.machine, question.base_parameters) else { return Ok(self) };
+        self.or_nearly_from(question, self.effects.clone(), &[other])
+    }
+
+    /// This candidate model, or the one that a refit with these effects from the nominal base parameters ends at, if its loss is smaller.
+    fn or_from_nominal(&self, question: &Question<'_>, effects: Vec<Chosen>) -> Result<Self, FitError> {
+        self.or_nearly_from(question, effects, &question.nominal())
+    }
+
+    /// This candidate model, or the one that a refit with these effects from these values ends at, if its loss is smaller. That refit goes to the end
+    /// only where it comes near this one's loss.
+    fn or_nearly_from(
+        &self,
+        question: &Question<'_>,
+        effects: Vec<Chosen>,
+        values: &[(Parameter, f64)],
+    ) -> Result<Self, FitError> {
+        let coarser = coarse(question.training, &self.fit.machine, &self.fit.starts)?;
+        let from = Beginning { fit: &self.fit, values, settled: &[], goes: Goes::Nearly(&coarser) };
+        let near = Self::refitted(question, effects, self.jumps.clone(), &from)?;
+        if near.fit.loss >= MAY_COME_BELOW * self.fit.loss {
+            return Ok(self.clone());
+        }
+        let again = near.again_from(question, &[])?;
+        Ok(if again.fit.loss < self.fit.loss { again } else { self.clone() })
+    }
+
+    /// This candidate model, or the one that a refit from these values of some of its parameters ends at, if its loss is smaller.
+    fn or_from(self, question: &Question<'_>, values: &[(Parameter, f64)]) -> Result<Self, FitError> {
+        let again = self.again_from(question, values)?;
+        Ok(if again.fit.loss < self.fit.loss { again } else { self })
+    }
+}
