@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use diagnosis::Verdict;
-use identification::experiment::Prepared;
+use identification::experiment::{Prepared, share_range_ends};
 use recording::{ChannelMap, Column, Recording, Signal};
-use simulation::sensor_fault::{FailureKind, Failures, MEASURED};
+use simulation::sensor_fault::{FailureKind, Failures, MEASURED, RangeEnd, Side};
 use virtual_plant::PlantEffect;
 
 use super::bed::{Case, accepted, pump_case, valve_case};
@@ -93,6 +93,26 @@ fn a_leak_is_named_although_the_position_hangs_for_half_a_second() {
     fail(&mut case.training[0], Signal::Position, stuck.clone(), None);
     assert_eq!(stretches(&case, Signal::Position).len(), 1);
     assert_eq!(accepted(&case.diagnose()), "internal-leakage");
+}
+
+/// The end of a range that one recording shows is that of the same sensor in another that comes there for a moment.
+#[test]
+fn a_moment_at_the_end_of_a_range_is_not_judged_where_another_recording_shows_the_end() {
+    let case = valve_case(3, None, true, None);
+    let mut prepared = case.prepared(&case.training);
+    let (first, other) = prepared.split_at_mut(1);
+    let of_b =
+        |case: &mut Prepared| case.channels.iter().position(|channel| channel.signal == Signal::PressureB).unwrap();
+    let (shows, visits) = (of_b(&mut first[0]), of_b(&mut other[0]));
+    let end_pa = 1.1 * other[0].channels[visits].recorded.iter().copied().fold(0.0, f64::max);
+    other[0].channels[visits].recorded[500..503].fill(end_pa);
+    let rows = (0..first[0].rows()).map(|row| row < 200).collect();
+    first[0].channels[shows].ends.push(RangeEnd { reading: end_pa, side: Side::High, rows });
+    share_range_ends(&mut prepared.iter_mut().collect::<Vec<_>>());
+    let failed = |channel: usize| &prepared[1].channels[channel].failed;
+    assert_eq!(failed(visits).iter().filter(|failed| **failed).count(), 3);
+    let elsewhere = (0..prepared[1].channels.len()).filter(|channel| *channel != visits);
+    assert!(elsewhere.flat_map(failed).all(|failed| !failed));
 }
 
 #[test]

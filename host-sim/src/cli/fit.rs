@@ -6,7 +6,7 @@ use diagnosis::agreement::{far_values, not_tolerated, tolerated};
 use diagnosis::localisation::{Miss, misses};
 use diagnosis::{DiagnoseError, base_parameters};
 use identification::compare::judged;
-use identification::experiment::Prepared;
+use identification::experiment::{Prepared, share_range_ends};
 use identification::fit::residuals::counts_from;
 use identification::fit::{
     Counts, Fit, FitError, Free, From, effective_samples, first_search, fit_with_progress, inflation, level_at_rest,
@@ -74,6 +74,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         let case = Prepared::new(recording, &file.machine, file.load_source, tick);
         prepared.push(case.map_err(|cause| failed(cause.into()))?);
     }
+    share_range_ends(&mut prepared.iter_mut().collect::<Vec<_>>());
     let free = base_parameters(&file);
     let near = near(&file.machine, &free, &mut prepared).map_err(|cause| failed(cause.into()))?;
     let cases: Vec<&Prepared> = prepared.iter().collect();

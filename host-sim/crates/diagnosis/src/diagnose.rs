@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use std::mem;
 
 use identification::compare::CompareError;
-use identification::experiment::{JudgedSignal, Prepared};
-use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest, settled};
+use identification::experiment::{JudgedSignal, Prepared, share_range_ends};
+use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
@@ -21,12 +21,12 @@ use crate::before_after::show_all;
 use crate::catalogue::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::correction_table::improved;
 use crate::decision::{Decision, decide};
-use crate::finding::Finding;
+use crate::ending::{Ending, missed_in};
 use crate::localisation::locate::locate;
 use crate::localisation::{Case, Location, Miss, Sought, misses};
 use crate::outcome::{Diagnosis, Verdict};
 use crate::selection::candidate::Reference;
-use crate::selection::decision_rule::{BELOW_VACUUM_PA, HELD_OUT_MAY_MISS, NEAR_TANK_PA};
+use crate::selection::decision_rule::{BELOW_VACUUM_PA, NEAR_TANK_PA};
 use crate::selection::excerpt::Excerpt;
 use crate::selection::screen::Lead;
 use crate::selection::{Candidate, Question};
@@ -101,9 +101,7 @@ pub fn diagnose(
     tick: Option<Tick>,
     progress: Progress<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let prepare = |recording: &Recording| Prepared::new(recording, &file.machine, file.load_source, tick);
-    let mut trained: Vec<Prepared> = training.iter().map(prepare).collect::<Result<_, _>>()?;
-    let mut held: Vec<Prepared> = held_out.iter().map(prepare).collect::<Result<_, _>>()?;
+    let (mut trained, mut held) = prepared(file, training, held_out, tick)?;
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     check_entries(&trained, &held)?;
 
@@ -142,7 +140,10 @@ pub fn diagnose(
         |plain| (&plain.base, plain.trained.iter().collect(), plain.held.iter().collect()),
     );
     let is_impossible = far_values(&free, &estimates).iter().any(|far| far.is_impossible);
-    let verdict = verdict(&findings, is_impossible, plain_base, (&asked.of(&without), &held_without))?;
+    let Ending { verdict, training_is_too_narrow } = match findings.as_slice() {
+        [] => Ending::of_base(asked, plain_base, is_impossible, (&without, &held_without))?,
+        _ => Ending::FOUND,
+    };
     // Where and how it looks is told by what was searched.
     let (recordings, searched) = match &excerpt {
         Some(excerpt) => (excerpt.recordings.as_slice(), excerpt.cases.iter().collect()),
@@ -191,6 +192,7 @@ pub fn diagnose(
         outside,
         left,
         left_held_out,
+        training_is_too_narrow,
         unsettled: after.unsettled(),
         not_confirmed,
         unnamed,
@@ -204,6 +206,20 @@ pub fn diagnose(
         not_testable,
         selection,
     })
+}
+
+/// The training and the held-out recordings, of which each sensor is the same in all.
+fn prepared(
+    file: &MachineFile,
+    training: &[Recording],
+    held_out: &[Recording],
+    tick: Option<Tick>,
+) -> Result<(Vec<Prepared>, Vec<Prepared>), CompareError> {
+    let prepare = |recording: &Recording| Prepared::new(recording, &file.machine, file.load_source, tick);
+    let mut trained: Vec<Prepared> = training.iter().map(prepare).collect::<Result<_, _>>()?;
+    let mut held: Vec<Prepared> = held_out.iter().map(prepare).collect::<Result<_, _>>()?;
+    share_range_ends(&mut trained.iter_mut().chain(&mut held).collect::<Vec<_>>());
+    Ok((trained, held))
 }
 
 /// What is known of a drive beforehand, and what these recordings say of where it works.
@@ -248,22 +264,6 @@ fn place(
     Ok(locate(&Sought { machine, load, cases, named, predicted_gains: &predicted_gains })?)
 }
 
-/// How it ended: by what was found, and whether the base model misses more than noise, or follows only with a value that no such drive has.
-fn verdict(
-    findings: &[Finding],
-    is_impossible: bool,
-    base: &Candidate,
-    (question, held_out): (&Question<'_>, &[&Prepared]),
-) -> Result<Verdict, MachineError> {
-    if !findings.is_empty() {
-        return Ok(Verdict::MissingPhysics);
-    }
-    let least = question.unexplained_from();
-    let off = missed_in(&base.fit.machine, held_out)?.iter().map(|miss| miss.over_noise).fold(0.0, f64::max);
-    let misses = base.worst_over_noise(question) > least || off > HELD_OUT_MAY_MISS * least;
-    Ok(if misses || is_impossible { Verdict::Unexplained } else { Verdict::NothingMissing })
-}
-
 /// The estimates of base parameters, in their order.
 fn of_base(free: &[Free], estimates: impl Iterator<Item = Estimate>) -> Vec<Estimate> {
     let estimates: Vec<Estimate> = estimates.collect();
@@ -275,11 +275,6 @@ fn of_base(free: &[Free], estimates: impl Iterator<Item = Estimate>) -> Vec<Esti
 fn above_noise(mut misses: Vec<Miss>) -> Vec<Miss> {
     misses.retain(Miss::is_above_noise);
     misses
-}
-
-/// How far each signal of held-out recordings is off, each from the start that fits it best.
-fn missed_in(machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<Vec<Miss>, MachineError> {
-    misses(machine, held_out.iter().copied().zip(settled(machine, held_out)?))
 }
 
 /// Recordings with how they were prepared and where each starts.

@@ -15,6 +15,7 @@ pub mod catalogue;
 pub mod correction_table;
 mod decision;
 mod diagnose;
+mod ending;
 mod finding;
 pub mod localisation;
 mod outcome;

@@ -49,6 +49,9 @@ pub struct Diagnosis {
     pub left: Vec<Miss>,
     /// The same on the held-out recordings.
     pub left_held_out: Vec<Miss>,
+    /// Whether the held-out recordings work where the training ones do not: only refitted to all of them does the model follow all. The machine after the
+    /// diagnosis is fitted to the training recordings all the same.
+    pub training_is_too_narrow: bool,
     /// The value that was still moving where the refit with the accepted effects ended, if it did not converge.
     pub unsettled: Option<Unsettled>,
     /// Effects that training recordings chose and held-out ones did not confirm.

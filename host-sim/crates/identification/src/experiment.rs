@@ -53,6 +53,16 @@ impl JudgedSignal {
         }
     }
 
+    /// No longer judges the rows at an end of the sensor's range that another recording showed.
+    fn ends_at(&mut self, end: &RangeEnd) {
+        if self.ends.iter().any(|known| known.side == end.side) {
+            return;
+        }
+        let Some(end) = end.in_other(&self.recorded) else { return };
+        self.failed.iter_mut().zip(&end.rows).for_each(|(failed, at_end)| *failed |= at_end);
+        self.ends.push(end);
+    }
+
     /// Standard deviation of the sensor's own noise and quantisation, SI.
     #[must_use]
     pub fn own_noise(&self) -> f64 {
@@ -246,6 +256,20 @@ impl Prepared {
     pub fn judged_by(&self, wanted: impl Fn(Signal) -> bool) -> Self {
         let channels = self.channels.iter().filter(|channel| wanted(channel.signal)).cloned().collect();
         Self { channels, ..self.clone() }
+    }
+}
+
+/// Takes an end of a sensor's range that one recording shows as its end in all of them: it is the same sensor, and a short visit alone shows no end.
+pub fn share_range_ends(cases: &mut [&mut Prepared]) {
+    let channels = cases.iter().flat_map(|case| &case.channels);
+    let found: Vec<(Signal, RangeEnd)> =
+        channels.flat_map(|channel| channel.ends.iter().map(|end| (channel.signal, end.clone()))).collect();
+    for channel in cases.iter_mut().flat_map(|case| &mut case.channels) {
+        for (signal, end) in &found {
+            if *signal == channel.signal {
+                channel.ends_at(end);
+            }
+        }
     }
 }
 

@@ -52,6 +52,8 @@ const NOMINAL_OFFSET: f64 = 0.1;
 const NOMINAL_GAIN: f64 = 0.3;
 /// A first-order lag has settled to less than a hundredth after this many of its time constants.
 const SETTLED: f64 = 5.0;
+/// Travel of a spool from full opening to full opening of the other side, 1.
+const FULL_REVERSAL: f64 = 2.0;
 /// No more than this share of a recording is unknown: less would be left of short ones than they show.
 const MOST_UNKNOWN: f64 = 0.25;
 
@@ -64,6 +66,8 @@ struct Beginning<'a> {
     settling_s: f64,
     /// Rows before the command's first change can have an effect, none later than the settling time.
     undisturbed: usize,
+    /// The time of these rows, s.
+    undisturbed_s: f64,
     /// Whether these rows last as long as the valve needs to settle.
     settles: bool,
     first_rows: usize,
@@ -96,7 +100,8 @@ impl Motion {
             motion.spool = shown;
             if rod_changes || shown.is_some_and(|spool| !spool.rests) {
                 let longest_s = MOST_UNKNOWN * (beginning.time_s[recording.rows() - 1] - beginning.time_s[0]);
-                motion.unknown_for_s = beginning.settling_s.min(longest_s);
+                let settles_s = beginning.settling_s + if rod_changes { beginning.longest_travel_s() } else { 0.0 };
+                motion.unknown_for_s = settles_s.min(longest_s);
             }
         }
         motion.velocity_m_per_s = beginning.velocity(motion.is_changing);
@@ -125,9 +130,16 @@ impl<'a> Beginning<'a> {
             time_s,
             settling_s,
             undisturbed: within(undisturbed_s.min(settling_s)),
+            undisturbed_s,
             settles: undisturbed_s >= settling_s,
             first_rows: within(delay_s).max(LEAST_ROWS).min(time_s.len()),
         }
+    }
+
+    /// A spool that no sensor shows may have to come from one end of its travel to the other, s: 0 for a valve of unlimited speed.
+    fn longest_travel_s(&self) -> f64 {
+        let get = |parameter| self.machine.get(parameter);
+        FULL_REVERSAL / get(Parameter::RateLimit).min(get(Parameter::SpoolSpeedLimit))
     }
 
     /// The spool, where it is not at rest where the command would hold it.
@@ -137,10 +149,10 @@ impl<'a> Beginning<'a> {
         let first = Line::through(&self.time_s[..self.first_rows], &spool[..self.first_rows], noise);
         let (low, high) = extent(&spool[..self.undisturbed]);
         // A spool that follows a command trails it by the delay and the lags.
-        let slope = Line::through(&self.time_s[..self.undisturbed], &spool[..self.undisturbed], noise).clear_slope();
+        let rows = self.undisturbed.max(if self.is_hardly_disturbed(spool) { LEAST_ROWS_OF_SLOPE } else { 0 });
+        let slope = Line::through(&self.time_s[..rows], &spool[..rows], noise).clear_slope();
         let trails = get(Parameter::TransportDelay) + self.machine.spool_lag_s();
-        let follows = self.undisturbed >= LEAST_ROWS_OF_SLOPE
-            && (slope * trails).abs() > (BEYOND_NOISE * noise).max(LEAST_TRAVEL);
+        let follows = rows >= LEAST_ROWS_OF_SLOPE && (slope * trails).abs() > (BEYOND_NOISE * noise).max(LEAST_TRAVEL);
         let moves = follows || high - low > (2.0 * BEYOND_NOISE * noise).max(LEAST_TRAVEL);
         let by_command =
             get(Parameter::ValveGain) * self.recording.signal(Signal::Command).map_or(0.0, |volts| volts[0]);
@@ -156,6 +168,19 @@ impl<'a> Beginning<'a> {
                 rests: slope_per_s == 0.0,
             }
         })
+    }
+
+    /// Whether what the command changes in the rows of a slope cannot be what moves the spool in them: it acts only at their end, on a spool that lags, and
+    /// would move it by less than half as much. The rows of slow recordings are further apart than the command's delay.
+    fn is_hardly_disturbed(&self, spool: &[f64]) -> bool {
+        let Some(command) = self.recording.signal(Signal::Command) else { return false };
+        let acts_s = self.time_s[LEAST_ROWS_OF_SLOPE - 1] - self.time_s[0] - self.undisturbed_s;
+        let change = |values: &[f64]| {
+            let (low, high) = extent(&values[..LEAST_ROWS_OF_SLOPE]);
+            high - low
+        };
+        let share = (acts_s / self.machine.spool_lag_s()).clamp(0.0, 1.0);
+        2.0 * share * self.machine.get(Parameter::ValveGain) * change(command) < change(spool)
     }
 
     /// A spool that no sensor shows, where the rod rests under a command that would move it and only then is moved: the command was given with the
@@ -388,6 +413,27 @@ mod tests {
             assert!(even.unknown_for_s == 0.0 && even.velocity_m_per_s > 0.02, "{even:?}");
         }
         assert!(start(&cut(420, step, &ALL)).spool.is_none(), "it is where the command holds it");
+    }
+
+    /// A row in 20 ms: the command has changed before the second row can show what it did before.
+    #[test]
+    fn a_slow_recording_of_a_moving_spool_starts_from_it_and_one_from_rest_does_not() {
+        let slow = |recording: &Recording| {
+            let thinned = |signal: &Signal| {
+                let values = recording.signal(*signal).unwrap();
+                Column::si(*signal, values.iter().copied().step_by(20).collect())
+            };
+            let signals = [Signal::Time, Signal::Command, Signal::Spool, Signal::Position];
+            Recording::new("slow", signals.iter().map(thinned).collect()).unwrap()
+        };
+        for from in [400, 457] {
+            let spool = start(&slow(&cut(from, wave, &ALL))).spool;
+            assert!(spool.is_some_and(|spool| !spool.rests), "{from}: {spool:?}");
+        }
+        let stepped = |row: u32| if row < 10 { 0.0 } else { 8.0 };
+        for command in [wave as fn(u32) -> f64, step, stepped] {
+            assert_eq!(start(&slow(&cut(0, command, &ALL))).spool, None);
+        }
     }
 
     #[test]

@@ -2,7 +2,8 @@
 //!
 //! ## What it adds
 //! The oil in a chamber changes with the stroke, Va = Va0 + s·A·(y − mid-stroke) and Vb = Vb0 − s·aA·(y − mid-stroke);
-//! equation (7) keeps it at its mid-stroke value.
+//! equation (7) keeps it at its mid-stroke value. It is a finding for machine files of constant volumes only: with `volume_follows_piston`, as `init`
+//! writes it, the volumes change by the geometry anyway.
 //!
 //! ## How it shows
 //! The flow that the model lacks follows dp/dt and changes its sign with the side of mid-stroke. Near an end the small
@@ -44,6 +45,9 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "strokes over the whole stroke, or small steps near both ends, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 6",
-    // Without a position it is not known on which side of mid-stroke the rod is.
-    shows_in: |scene| scene.input_point != InputPoint::Force && scene.judges(Signal::Position),
+    // Without a position it is not known on which side of mid-stroke the rod is; of a drive whose volumes follow the piston it is no finding.
+    shows_in: |scene| {
+        let is_constant = scene.machine.get(Parameter::VolumeFollows) == 0.0;
+        is_constant && scene.input_point != InputPoint::Force && scene.judges(Signal::Position)
+    },
 };

@@ -77,6 +77,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         })),
         "still_above_noise": still_above_noise(&diagnosis.left),
         "still_above_noise_held_out": still_above_noise(&diagnosis.left_held_out),
+        "training_too_narrow": diagnosis.training_is_too_narrow,
         "not_confirmed": diagnosis.not_confirmed.iter().map(|effect| effect.name).collect::<Vec<_>>(),
         "not_testable": diagnosis.not_testable.iter().map(|effect| effect.name).collect::<Vec<_>>(),
         "parameters": diagnosis.refitted.iter().map(|estimate| {

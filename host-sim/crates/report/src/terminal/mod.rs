@@ -190,6 +190,10 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
                 None => format!("{name}: missing physics: {effects}; {confirmed}{}{outside}", held_out(diagnosis)),
             }
         }
+        Verdict::NothingMissing if diagnosis.training_is_too_narrow => format!(
+            "{name}: nothing missing, but the training recordings leave values open: the model follows them all if it is refitted to all{}; give the held-out recordings to --train as well, and hold out others",
+            held_out(diagnosis)
+        ),
         Verdict::NothingMissing => {
             let noise = if diagnosis.left.is_empty() { "their noise" } else { "twice their noise" };
             format!(

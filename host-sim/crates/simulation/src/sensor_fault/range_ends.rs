@@ -2,7 +2,7 @@
 //!
 //! A signal may stay at its highest or lowest value for other reasons: a rod rests against its stop, oil does not fall below the tank's
 //! pressure. What gives the end of a range away is that the noise is missing there, although the sensor has some, or, in a sensor without
-//! visible noise, that a pressure or force comes and goes at full slope. Some sensors end before their noise is added: just inside the range it lifts
+//! visible noise, that a pressure or force comes and goes at full slope. A spool's sensor ends at full travel. Some sensors end before their noise is added: just inside the range it lifts
 //! a row or two beyond the end.
 
 use recording::Signal;
@@ -25,6 +25,14 @@ impl RangeEnd {
     #[must_use]
     pub fn count(&self) -> usize {
         self.rows.iter().filter(|row| **row).count()
+    }
+
+    /// The same end in another recording of that sensor; `None` where its readings do not come so far, or go on beyond.
+    #[must_use]
+    pub fn in_other(&self, values: &[f64]) -> Option<Self> {
+        let Self { reading, side, .. } = *self;
+        let at_end = || joined(values.iter().map(|value| side.is_reached(reading, *value)).collect());
+        side.is_end(reading, values).then(|| Self { reading, side, rows: at_end() })
     }
 }
 
@@ -86,6 +94,8 @@ const REST_ROWS: usize = 32;
 const REST_REPEATS: f64 = 0.8;
 /// A reading that repeats for so long is the end of the range if noise causes it less often than once in this many recordings.
 const ONCE_IN: f64 = 1e5;
+/// The highest reading is a step below full scale in two's complement: at 11 bits half of this.
+const NEAR_FULL_SCALE: f64 = 1e-3;
 /// Rows between two at the end that are as close as this are at the end but for noise.
 const GAP_ROWS: usize = 8;
 /// A smooth turn that keeps a reading for four rows is at most four steps off two rows later, by its parabola; twice that is a corner.
@@ -108,7 +118,17 @@ pub(crate) fn range_ends(signal: Signal, values: &[f64], step: f64) -> Vec<Range
         return Vec::new();
     }
     let readings = Readings { signal, values, step, span: high - low, rests: rests_elsewhere(values, &ends) };
-    ends.iter().filter(|(side, end)| may(*side, *end)).filter_map(|(side, end)| readings.at_end(*side, *end)).collect()
+    let mut found: Vec<RangeEnd> = ends
+        .iter()
+        .filter(|(side, end)| may(*side, *end))
+        .filter_map(|(side, end)| readings.at_end(*side, *end))
+        .collect();
+    for (side, end) in [(Side::High, high), (Side::Low, low)] {
+        if found.iter().all(|known| known.side != side) {
+            found.extend(readings.at_full_scale(side, end));
+        }
+    }
+    found
 }
 
 fn is_pressure(signal: Signal) -> bool {
@@ -128,6 +148,21 @@ struct Readings<'a> {
 }
 
 impl Readings<'_> {
+    /// The end of a spool's range, where a spool that overshoots passes it for so few rows that a missing noise shows nothing: its sensor is scaled to its
+    /// travel, and ends there or a step before. What stays there for longer may be a spool at its stop.
+    fn at_full_scale(&self, side: Side, end: f64) -> Option<RangeEnd> {
+        let is_full = self.signal == Signal::Spool && (end.abs() - 1.0).abs() <= NEAR_FULL_SCALE;
+        let rows: Vec<bool> = self.values.iter().map(|value| side.is_reached(end, *value)).collect();
+        let longest = rows.chunk_by(|a, b| a == b).filter(|visit| visit[0]).map(<[bool]>::len).max();
+        (is_full && longest.is_some_and(|rows| !self.is_rare(rows))).then_some(RangeEnd { reading: end, side, rows })
+    }
+
+    /// Whether visible noise hardly ever repeats a reading in so many rows.
+    fn is_rare(&self, rows: usize) -> bool {
+        let times = i32::try_from(rows - 1).unwrap_or(i32::MAX);
+        REPEATS_MOST.powi(times) * self.values.len() as f64 * ONCE_IN < 1.0
+    }
+
     /// The end of the range, if this reading is one.
     fn at_end(&self, side: Side, end: f64) -> Option<RangeEnd> {
         let Self { signal, values, step, span, rests } = *self;
@@ -144,10 +179,7 @@ impl Readings<'_> {
         if !values.iter().all(is_noise) {
             return None;
         }
-        let is_silent = !rests && noise > (VISIBLE_STEPS * step).max(VISIBLE_SPAN * span) && {
-            let times = i32::try_from(longest - 1).unwrap_or(i32::MAX);
-            REPEATS_MOST.powi(times) * values.len() as f64 * ONCE_IN < 1.0
-        };
+        let is_silent = !rests && noise > (VISIBLE_STEPS * step).max(VISIBLE_SPAN * span) && self.is_rare(longest);
         let cuts = matches!(signal, Signal::PressureA | Signal::PressureB | Signal::Force);
         let has_corners = || {
             let off = |row: Option<usize>| row.and_then(|row| values.get(row)).map(|value| (value - end).abs());

@@ -175,6 +175,41 @@ fn readings_at_an_end_of_a_range_lack_their_noise() {
     assert_eq!(ends(Signal::Spool, &cut(&spool, -0.7, 0.8)).len(), 2);
 }
 
+/// A valve that overshoots at full command passes the end of its sensor for a row or two; in another quantity, or short of full travel, such a peak is none.
+#[test]
+fn a_spool_is_cut_at_full_travel_however_short_it_is_beyond() {
+    let quantised = |full: f64| -> Vec<f64> {
+        let at = |row: i32| {
+            let since = f64::from(row % 400);
+            let overshoot = 1.0 + 0.2 * (-since / 4.0).exp() * (since / 2.0).cos();
+            let sign = if row / 400 % 2 == 0 { 0.98 } else { -0.98 };
+            ((sign * overshoot * full * 4096.0).round() / 4096.0).clamp(-1.0, 4095.0 / 4096.0)
+        };
+        (0..1600).map(at).collect()
+    };
+    let spool = quantised(1.0);
+    let mut found = ends(Signal::Spool, &spool);
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let beyond = |end: f64| spool.iter().filter(|value| value.to_bits() == end.to_bits()).count();
+    assert_eq!(found, [(-1.0, beyond(-1.0)), (4095.0 / 4096.0, beyond(4095.0 / 4096.0))]);
+    assert!(found.iter().all(|(_, rows)| (1..8).contains(rows)), "{found:?}");
+    assert_eq!(ends(Signal::Spool, &quantised(0.8)), []);
+    assert_eq!(ends(Signal::Position, &spool), []);
+}
+
+#[test]
+fn an_end_that_another_recording_shows_holds_for_the_same_sensor() {
+    let (time_s, pressure) = noisy();
+    let shown = Failures::of(Signal::PressureA, &time_s, &cut(&pressure, 0.0, 3.5e6)).ends;
+    let [end] = shown.as_slice() else { panic!("{shown:?}") };
+    let mut short: Vec<f64> = pressure.iter().map(|pa| pa.min(3.3e6)).collect();
+    short[700..703].fill(end.reading);
+    assert_eq!(end.in_other(&short).map(|end| end.count()), Some(3));
+    // It does not come so far, or goes beyond.
+    assert_eq!(end.in_other(&cut(&pressure, 0.0, 3.3e6)), None);
+    assert_eq!(end.in_other(&pressure), None);
+}
+
 #[test]
 fn both_pressure_sensors_have_one_range() {
     let (time_s, pressure) = noisy();
