@@ -36,7 +36,7 @@ fn data_sheet() -> MachineFile {
 
 /// Recordings of the drive as it is: oil in the tank line at 3.2 bar, a spool that overshoots, volumes that follow the piston, seals with a
 /// friction of 1.2 % of full force, hoses that yield; and what is broken.
-fn case(broken: &[PlantEffect]) -> Case {
+pub(super) fn case(broken: &[PlantEffect]) -> Case {
     case_of(broken, &[random(1), random(2), Excitation::paper_steps(4.0), random(3)])
 }
 

@@ -145,7 +145,7 @@ pub enum CliError {
     },
     /// The recordings can hardly be those of the machine file's drive.
     #[error(
-        "{machine}: {doubts}; expected recordings of this drive: mend the channel (a sensor's `zero` and `full` in [channels] turn and scale it) or the machine file, or give --as-recorded"
+        "the recordings do not fit {machine}: {doubts}; expected recordings of this drive: mend the channel (a sensor's `zero` and `full` in [channels] turn and scale it) or the machine file, or give --as-recorded"
     )]
     Disagrees {
         /// The machine file.

@@ -15,6 +15,10 @@ pub enum Change {
     PressuresExchanged,
     /// This signal so many times as large; both pressures, where it is one of them.
     Scaled(Signal, f64),
+    /// This signal larger by so much, SI.
+    Moved(Signal, f64),
+    /// This signal so many seconds earlier than its stamps say.
+    Earlier(Signal, f64),
     /// A cylinder with another bore and rod.
     Cylinder {
         /// mm.
@@ -33,7 +37,7 @@ impl Change {
             Self::PortsExchanged => &[S::Command, S::Spool],
             Self::Cylinder { .. } => &[],
             Self::PressuresExchanged | Self::Scaled(S::PressureA | S::PressureB, _) => PRESSURES,
-            Self::Reversed(signal) | Self::Scaled(signal, _) => {
+            Self::Reversed(signal) | Self::Scaled(signal, _) | Self::Moved(signal, _) | Self::Earlier(signal, _) => {
                 let at = Signal::ALL.iter().position(|known| *known == signal).unwrap_or_default();
                 &Signal::ALL[at..=at]
             }
@@ -49,6 +53,12 @@ impl Change {
             let each = |with: &dyn Fn(f64) -> f64| values.iter().map(|&value| with(value)).collect::<Vec<f64>>();
             let values = match self {
                 Self::Scaled(_, factor) => each(&|value| factor * value),
+                Self::Moved(_, by) => each(&|value| value + by),
+                Self::Earlier(_, by_s) => {
+                    let time_s = recording.time_s();
+                    let at = |time: &f64| time_s.partition_point(|other| *other <= time + by_s).saturating_sub(1);
+                    time_s.iter().map(|time| values[at(time)]).collect()
+                }
                 Self::PressuresExchanged => {
                     let other = if signal == Signal::PressureA { Signal::PressureB } else { Signal::PressureA };
                     recording.signal(other).unwrap_or(values).to_vec()
@@ -95,10 +105,18 @@ fn neutral_v(machine: &Machine<f64>) -> f64 {
     if gain == 0.0 { 0.0 } else { -machine.get(Parameter::ValveOffset) / gain }
 }
 
-/// What a position and that from the other end add up to: the stroke, unless the position does not lie within it anyway.
+/// What a position and that from the other end add up to: the stroke; nothing, where it counts the stroke downwards from 0; or what keeps it where it
+/// is, where it does not lie within the stroke either way.
 fn from_other_end(values: &[f64], stroke_m: f64) -> f64 {
     let (low, high) = extent(values);
-    if low >= 0.0 && high <= stroke_m { stroke_m } else { low + high }
+    let is_within = |low: f64, high: f64| low >= 0.0 && high <= stroke_m;
+    if is_within(low, high) {
+        stroke_m
+    } else if is_within(-high, -low) {
+        0.0
+    } else {
+        low + high
+    }
 }
 
 /// The rows of a recording in this range.

@@ -46,6 +46,21 @@ pub(super) fn changes(machine: &Machine<f64>, recording: &Recording) -> (Vec<Vec
     if !is_cylinder || (ratio / stated - 1.0).abs() < OFF || (ratio - stated).abs() < CLEARLY * std {
         return none;
     }
+    (of_ratio(machine, ratio), vec![Signal::PressureA, Signal::PressureB])
+}
+
+/// Cylinders of another size with the same ratio, where both pressures are recorded: with them mass and flow tell the size.
+pub(super) fn of_other_size(machine: &Machine<f64>, recordings: &[&Recording]) -> (Vec<Vec<Change>>, Vec<Signal>) {
+    let signals = vec![Signal::PressureA, Signal::PressureB];
+    let are_recorded = |recording: &&Recording| signals.iter().all(|signal| recording.has(*signal));
+    if !recordings.iter().all(are_recorded) {
+        return (Vec::new(), Vec::new());
+    }
+    (of_ratio(machine, machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA)), signals)
+}
+
+/// Cylinders with this ratio, the nearest to the file's first.
+fn of_ratio(machine: &Machine<f64>, ratio: f64) -> Vec<Vec<Change>> {
     let stated_mm = 1e3 * (4.0 / std::f64::consts::PI * machine.get(Parameter::AreaA)).sqrt();
     let mut tried: Vec<(f64, Change)> = Vec::new();
     for bore_mm in
@@ -59,8 +74,7 @@ pub(super) fn changes(machine: &Machine<f64>, recording: &Recording) -> (Vec<Vec
         }
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let changes = tried.into_iter().take(MOST_TRIED).map(|(_, change)| vec![change]).collect();
-    (changes, vec![Signal::PressureA, Signal::PressureB])
+    tried.into_iter().take(MOST_TRIED).map(|(_, change)| vec![change]).collect()
 }
 
 /// Ratio of the areas, B over A, with its standard deviation; `None` where both pressures and the position are not recorded, or do not tell.

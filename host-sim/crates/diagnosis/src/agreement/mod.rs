@@ -3,12 +3,14 @@
 //! A sensor that counts the other way, exchanged pressure lines or a position in the wrong unit is no missing physics. But a refit follows much of it:
 //! with a tenth of the position, a tenfold bulk modulus and a tenth of the flow fit as well as before. So a cheap test comes first: how far, and which
 //! way, the machine file's model moves compared with what was recorded (`response`). Only where that raises a doubt, changes of the recordings that
-//! would remove it (`direction`, `scale`, `cylinder`) are tried by rough refits of short parts (`trial`).
+//! would remove it (`direction`, `scale`, `place`, `late`, `cylinder`) are tried by rough refits of short parts (`trial`).
 
 mod change;
 mod cylinder;
 mod direction;
 mod far_value;
+mod late;
+mod place;
 mod response;
 mod scale;
 mod tolerated;
@@ -80,6 +82,8 @@ struct Raised {
     changes: Vec<Vec<Change>>,
     signals: Vec<Signal>,
     recordings: Vec<usize>,
+    /// Whether nothing speaks for it yet.
+    is_possible: bool,
 }
 
 impl Raised {
@@ -116,15 +120,35 @@ pub fn doubts(file: &MachineFile, free: &[Free], recordings: &[&Recording]) -> R
                 Err(found) => Ok(found),
             });
             if let Ok((changes, signals)) = left {
-                raised.push(Raised { changes, signals, recordings: vec![index] });
+                raised.push(Raised { changes, signals, recordings: vec![index], is_possible: false });
             }
         }
     }
+    let of_all = |(changes, signals)| Raised {
+        changes,
+        signals,
+        recordings: (0..recordings.len()).collect(),
+        is_possible: false,
+    };
+    let (changes, signals) = place::changes(&file.machine, recordings);
+    match raised.iter_mut().find(|known| known.changes.iter().any(|change| changes.contains(change))) {
+        Some(known) => known
+            .changes
+            .extend(changes.into_iter().filter(|change| !known.changes.contains(change)).collect::<Vec<_>>()),
+        None => raised.push(of_all((changes, signals))),
+    }
+    raised.push(of_all(scale::times(recordings)));
+    raised.push(of_all(late::changes(&file.machine, &responses)));
+    raised.retain(|raised| !raised.changes.is_empty());
+    if raised.is_empty() && free.iter().any(|free| free.tolerance().is_some()) {
+        raised.push(Raised { is_possible: true, ..of_all(cylinder::of_other_size(&file.machine, recordings)) });
+        raised.retain(|raised| !raised.changes.is_empty());
+    }
     let mut doubts = Vec::new();
-    for Raised { changes, signals, recordings: of } in raised {
-        let parts: Vec<Recording> =
-            of.iter().take(MOST_RECORDINGS).map(|&index| response::part(file, recordings[index])).collect();
-        let Some(tried) = trial::tried(file, free, &parts, &signals, &changes)? else { continue };
+    for raised in raised {
+        let of = &raised.recordings;
+        let few: Vec<&Recording> = of.iter().take(MOST_RECORDINGS).map(|&index| recordings[index]).collect();
+        let Some(tried) = trial::tried(file, free, &few, &raised)? else { continue };
         doubts.push(Doubt {
             recordings: of.iter().map(|&index| recordings[index].name().to_owned()).collect(),
             in_all: of.len() == recordings.len(),

@@ -15,6 +15,8 @@ use super::scale::factors_of;
 
 /// Longest part of a recording that is looked at and refitted, s: a few strokes, so that a refit takes a fraction of a second.
 const PART_S: f64 = 5.0;
+/// It has at least so many rows.
+const LEAST_ROWS: usize = 100;
 /// It begins this long before the input has moved by [`BEGINS`] of its range.
 const BEFORE_S: f64 = 0.3;
 const BEGINS: f64 = 0.05;
@@ -22,6 +24,8 @@ const BEGINS: f64 = 0.05;
 const SLOPE_S: f64 = 0.1;
 /// A signal moves if it does so by more than this many times its noise, which then adds little to how far it moves.
 const MOVES: f64 = 3.0;
+/// A command is looked for so far before its stamp, s.
+const EARLIEST_S: f64 = 0.08;
 /// Pressures above this many times the supply pressure are in another unit: a load or a thin rod raises them by half.
 const BEYOND_SUPPLY: f64 = 3.0;
 /// They are scaled to the factor with which the largest one lies between these shares of the supply pressure.
@@ -35,6 +39,8 @@ pub(super) struct Response {
     pub(super) correlation: f64,
     /// How far it moves, recorded over simulated; infinite where the simulated one hardly does.
     pub(super) ratio: f64,
+    /// How much earlier it moves than the simulated one, s; 0 where it is later.
+    pub(super) early_s: f64,
 }
 
 /// What all judged signals that move do.
@@ -42,11 +48,13 @@ pub(super) struct Response {
 pub(super) struct Responses {
     /// What drives the model.
     pub(super) input_point: InputPoint,
+    /// Time between two rows, s.
+    pub(super) interval_s: f64,
     pub(super) each: Vec<Response>,
     /// How far both pressures are from each other's simulation over how far they are from their own; infinite where they are not both recorded.
     pub(super) crossed: f64,
-    /// A change that the recording needs to be simulated at all: pressures far above the supply start the model in a state that no drive has.
-    pub(super) needed: Option<Change>,
+    /// Changes of which the recording needs one to be simulated at all: pressures far above the supply start the model in a state that no drive has.
+    pub(super) needed: Vec<Change>,
     /// The largest recorded load over the largest force of the drive.
     pub(super) load: f64,
     /// Whether the direction of a pump's flow is recorded beside its speed.
@@ -59,7 +67,7 @@ impl Responses {
         let machine = &file.machine;
         let mut recording = part(file, recording);
         let needed = needed(&recording, machine);
-        if let Some(change) = needed {
+        if let Some(change) = needed.first() {
             recording = change.of(&recording, machine);
         }
         let recording = &recording;
@@ -92,6 +100,8 @@ impl Responses {
                 signal: channel.signal,
                 correlation: if moves { correlation(&here, &there) } else { 0.0 },
                 ratio: if moves { recorded / answered } else { f64::INFINITY },
+                early_s: early_rows(&here, &there, rows_in(&case.time_s, EARLIEST_S)) as f64
+                    * recording.sample_interval_s(),
             });
         }
         let crossed = match pressures.as_slice() {
@@ -105,6 +115,7 @@ impl Responses {
         let (low, high) = recording.signal(Signal::LoadForce).map_or((0.0, 0.0), extent);
         Some(Self {
             input_point: case.stimulus.input_point,
+            interval_s: recording.sample_interval_s(),
             each,
             crossed,
             needed,
@@ -149,19 +160,21 @@ pub(super) fn part(file: &MachineFile, recording: &Recording) -> Recording {
     let (low, high) = extent(values);
     let begins = values.iter().position(|value| (value - values[0]).abs() > BEGINS * (high - low)).unwrap_or_default();
     let from = time_s.partition_point(|time| *time < time_s[begins] - BEFORE_S);
-    let to = time_s.partition_point(|time| *time <= time_s[from] + PART_S);
+    let to = time_s.partition_point(|time| *time <= time_s[from] + PART_S).max((from + LEAST_ROWS).min(time_s.len()));
     rows(recording, from..to).unwrap_or_else(|| recording.clone())
 }
 
-/// The factor that brings pressures far above the supply pressure below it.
-fn needed(recording: &Recording, machine: &Machine<f64>) -> Option<Change> {
+/// The factors that bring pressures far above the supply pressure below it.
+fn needed(recording: &Recording, machine: &Machine<f64>) -> Vec<Change> {
     let pressures = [Signal::PressureA, Signal::PressureB].into_iter().filter_map(|signal| recording.signal(signal));
     let (_, high) = extent(pressures.flatten());
     let share = high / machine.get(Parameter::SupplyPressure);
     let within = |factor: &f64| WITHIN_SUPPLY.contains(&(factor * share));
-    let factor =
-        factors_of(Signal::PressureA).map(|factor| 1.0 / factor).find(within).filter(|_| share > BEYOND_SUPPLY)?;
-    Some(Change::Scaled(Signal::PressureA, factor))
+    if share <= BEYOND_SUPPLY {
+        return Vec::new();
+    }
+    let factors = factors_of(Signal::PressureA).map(|factor| 1.0 / factor).filter(within);
+    factors.map(|factor| Change::Scaled(Signal::PressureA, factor)).collect()
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -176,6 +189,13 @@ fn deviation(values: &[f64]) -> f64 {
 /// Mean square difference.
 fn distance(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (one - other).powi(2)).sum::<f64>() / one.len() as f64
+}
+
+/// By how many rows, at most so many, one series is earlier than the other: where they are most alike.
+fn early_rows(one: &[f64], other: &[f64], most: usize) -> usize {
+    let alike = |rows: usize| correlation(&one[..one.len() - rows], &other[rows..]);
+    let most = most.min(one.len() / 4);
+    (0..=most).max_by(|a, b| alike(*a).total_cmp(&alike(*b)).then(b.cmp(a))).unwrap_or(0)
 }
 
 fn correlation(one: &[f64], other: &[f64]) -> f64 {

@@ -1,6 +1,6 @@
 //! Doubts about the scale of a signal: a wrong unit, or a factor that was left out.
 
-use recording::Signal;
+use recording::{Recording, Signal};
 use simulation::InputPoint;
 
 use super::change::Change;
@@ -19,6 +19,8 @@ const MINUTE: f64 = 60.0;
 const PRESSURES: [f64; 4] = [1e5, 1e6, 14.504, 6.8948];
 /// A factor is tried if it is within this ratio of what was seen.
 const NEAR: f64 = 2.0;
+/// Rows that are so far apart, s, hold no motion of a drive.
+const SLOW_S: f64 = 0.3;
 /// A load of more than this many times the force of the supply pressure on the piston cannot be moved or held.
 const BEARABLE: f64 = 1.5;
 
@@ -68,11 +70,10 @@ pub(super) fn changes(responses: &Responses) -> (Vec<Vec<Change>>, Vec<Signal>) 
         }
     }
     // A change without which nothing can be simulated goes before all others, and may be enough.
-    if let Some(needed) = responses.needed {
-        for changes in &mut found {
-            changes.insert(0, needed);
-        }
-        found.push(vec![needed]);
+    if !responses.needed.is_empty() {
+        found.push(Vec::new());
+        let beside = |needed: &Change| found.iter().map(|changes| [&[*needed], changes.as_slice()].concat()).collect();
+        found = responses.needed.iter().flat_map(|needed| -> Vec<Vec<Change>> { beside(needed) }).collect();
         let pressures =
             [Signal::PressureA, Signal::PressureB].into_iter().filter(|signal| responses.to(*signal).is_some());
         signals = pressures.chain(signals).collect();
@@ -83,6 +84,18 @@ pub(super) fn changes(responses: &Responses) -> (Vec<Vec<Change>>, Vec<Signal>) 
 
 fn both_pressures(responses: &Responses) -> usize {
     [Signal::PressureA, Signal::PressureB].into_iter().filter(|signal| responses.to(*signal).is_some()).count()
+}
+
+/// Times in ms that are taken for s, of recordings whose rows are too far apart for a drive. The signals that raise the doubt: all that may be judged.
+pub(super) fn times(recordings: &[&Recording]) -> (Vec<Vec<Change>>, Vec<Signal>) {
+    let is_slow = |recording: &&Recording| recording.sample_interval_s() > SLOW_S;
+    let moves = [Signal::Spool, Signal::Position, Signal::Velocity, Signal::PressureA, Signal::PressureB];
+    let signals: Vec<Signal> =
+        moves.into_iter().filter(|signal| recordings.iter().all(|recording| recording.has(*signal))).collect();
+    if recordings.is_empty() || signals.is_empty() || !recordings.iter().all(is_slow) {
+        return (Vec::new(), Vec::new());
+    }
+    (vec![vec![Change::Scaled(Signal::Time, 1e-3)]], signals)
 }
 
 /// Whether a signal moves much further, or much less, than the model's.

@@ -168,6 +168,10 @@ fn doubt(doubt: &Doubt) -> Value {
         Change::PortsExchanged => json!({ "kind": "ports-exchanged" }),
         Change::PressuresExchanged => json!({ "kind": "pressures-exchanged" }),
         Change::Cylinder { bore_mm, rod_mm } => json!({ "kind": "cylinder", "bore_mm": bore_mm, "rod_mm": rod_mm }),
+        Change::Moved(signal, by) => json!({ "kind": "moved", "signal": signal.name(), "by": digits(*by, 6) }),
+        Change::Earlier(signal, by_s) => {
+            json!({ "kind": "earlier", "signal": signal.name(), "by_s": digits(*by_s, 4) })
+        }
         Change::Scaled(signal, factor) => {
             json!({ "kind": "scaled", "signal": signal.name(), "factor": digits(*factor, 6) })
         }

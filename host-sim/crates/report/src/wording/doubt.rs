@@ -36,6 +36,13 @@ fn claim(change: Change) -> String {
         Change::Reversed(signal) => format!("{signal} seems to run the other way"),
         Change::PortsExchanged => "ports A and B of the valve seem to be exchanged".to_owned(),
         Change::PressuresExchanged => "the pressures of A and B seem to be exchanged".to_owned(),
+        Change::Moved(signal, _) => format!("{signal} seems to count from another place: it lies beyond the stroke"),
+        Change::Earlier(signal, by_s) => {
+            format!(
+                "{signal} seems to be stamped {} ms too late: what it moves, moves before it",
+                significant(1e3 * by_s, 2)
+            )
+        }
         Change::Cylinder { bore_mm, rod_mm } => {
             format!("the areas seem to be those of another cylinder, {bore_mm}/{rod_mm} mm")
         }
@@ -57,6 +64,10 @@ fn claim(change: Change) -> String {
 fn remedy(change: Change) -> String {
     match change {
         Change::Reversed(_) => "turned round".to_owned(),
+        Change::Moved(signal, by) => {
+            format!("moved by {} to the middle of where it can be", recording::display_unit::difference(signal, by))
+        }
+        Change::Earlier(..) => "taken so much earlier".to_owned(),
         Change::PortsExchanged | Change::PressuresExchanged => "exchanged back".to_owned(),
         Change::Cylinder { .. } => "with these areas".to_owned(),
         Change::Scaled(_, factor) => match share(factor) {
