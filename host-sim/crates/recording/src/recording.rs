@@ -63,12 +63,16 @@ pub enum Note {
         /// Where the first one is.
         first: At,
     },
-    /// Rows share coarse time stamps and were spread within them.
+    /// Rows share coarse time stamps and were spread.
     CoarseTimes {
         /// From one stamp to the next, s.
         step_s: f64,
-        /// From one row to the next, s.
+        /// From one row to the next, s; of the longest stretch that is on one clock, if there is any.
         interval_s: f64,
+        /// Stretches of rows that are each on one even clock.
+        clocks: usize,
+        /// The number of rows that fit no clock and were spread within their stamps.
+        within_stamps: usize,
     },
     /// Rows with an empty cell in a known column were left out.
     IncompleteRows {
@@ -123,11 +127,20 @@ impl fmt::Display for Note {
             Note::DuplicateTimes { rows, first } => {
                 write!(f, "{rows} rows repeat the time before them and are left out, the first in {first}")
             }
-            Note::CoarseTimes { step_s, interval_s } => {
+            Note::CoarseTimes { step_s, interval_s, clocks, within_stamps } => {
                 let ms = |time_s: f64| significant(1e3 * time_s, 3);
                 let (step, rows) = (ms(*step_s), significant(step_s / interval_s, 3));
                 write!(f, "time stamps are {step} ms apart and {rows} rows share one: ")?;
-                write!(f, "they are spread evenly, {} ms apart", ms(*interval_s))
+                match clocks {
+                    0 => write!(f, "they fit no even clock and are spread within each stamp, about")?,
+                    1 => write!(f, "they are spread evenly,")?,
+                    _ => write!(f, "they are spread evenly in each of {clocks} stretches,")?,
+                }
+                write!(f, " {} ms apart", ms(*interval_s))?;
+                if *clocks > 0 && *within_stamps > 0 {
+                    write!(f, "; {} fit no even clock: spread within each stamp", counted(*within_stamps, "row"))?;
+                }
+                Ok(())
             }
             Note::IncompleteRows { rows: 1, first } => {
                 write!(f, "1 row has an empty cell and is left out, in {first}")

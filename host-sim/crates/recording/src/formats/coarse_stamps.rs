@@ -1,10 +1,11 @@
 //! Time stamps that are coarser than the sampling: several rows share one, again and again. The rows were sampled one after the other, so
-//! they are spread evenly within their stamps. A row that only now and then repeats a time is left out instead.
+//! they are spread evenly. A row that only now and then repeats a time is left out instead.
 
+use super::stamp_clock::{Even, Stamp, Usual};
 use crate::recording::{LeftOut, Note};
 
-/// Fewest stamps that show how often one is shared.
-const LEAST_STAMPS: usize = 16;
+/// Fewest stamps that show how often one is shared, or a clock.
+pub(crate) const LEAST_STAMPS: usize = 16;
 /// Stamps are coarse where more than this share of them carry several rows: with a third fewer stamps than rows every third does.
 const SHARED: f64 = 0.25;
 /// Rows that share a stamp were sampled apart where they differ in more than this share of such stamps; else a row was written twice.
@@ -12,30 +13,21 @@ const DIFFERENT: f64 = 0.5;
 /// A step of more than this many times the usual one lacks rows.
 const GAP: f64 = 1.5;
 
-/// How rows are spread within coarse stamps, and the rows of the last stamp as long as more may follow.
+/// How rows with coarse stamps are spread. The last rows keep their stamps as long as further rows may follow.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CoarseStamps {
-    /// From one stamp to the next, s.
-    step_s: f64,
-    /// From one row to the next, s.
-    interval_s: f64,
-    /// The values of each row, its stamp first.
-    group: Vec<Vec<f64>>,
-    /// Whether a row of an earlier stamp has been handed on.
-    has_begun: bool,
-}
-
-/// Where the rows of a stamp lie in it: those of the first are its last, those of the last its first.
-#[derive(Clone, Copy)]
-enum Place {
-    AtEnd,
-    Middle,
-    AtStart,
+    usual: Usual,
+    /// The number of rows that are spread.
+    spread: usize,
+    /// The time of the last of them, s.
+    last_s: f64,
+    /// Whether it has been said how.
+    is_told: bool,
 }
 
 impl CoarseStamps {
     /// Looks at rows of which those that repeat a time were left out. If the stamps are coarse, all of them are put back among the others, in
-    /// their order and spread, but those of the last stamp. Columns begin with time.
+    /// their order. Columns begin with time.
     pub(crate) fn found(columns: &mut [&mut Vec<f64>], left_out: &mut LeftOut) -> Option<Self> {
         let width = columns.len();
         let stamps = columns[0].len();
@@ -71,69 +63,65 @@ impl CoarseStamps {
                 events.push(Event::Row(columns.iter().map(|column| column[row]).collect()));
             }
         }
-        let (step_s, interval_s) = usual(columns[0], &events);
-        let mut spread = Self { step_s, interval_s, group: Vec::new(), has_begun: false };
+        let usual = usual(columns[0], &events);
         for column in columns.iter_mut() {
             column.clear();
         }
         *left_out = LeftOut::default();
         for event in events {
             match event {
-                Event::Row(row) => spread.push(row, columns),
+                Event::Row(row) => {
+                    for (column, value) in columns.iter_mut().zip(row) {
+                        column.push(value);
+                    }
+                }
                 Event::Out(cells) => {
-                    left_out.after.push(columns[0].len() + spread.group.len());
+                    left_out.after.push(columns[0].len());
                     left_out.cells.extend(cells);
                 }
             }
         }
-        Some(spread)
+        Some(Self { usual, spread: 0, last_s: f64::NEG_INFINITY, is_told: false })
     }
 
-    /// What is said of it.
-    pub(crate) fn note(&self) -> Note {
-        Note::CoarseTimes { step_s: self.step_s, interval_s: self.interval_s }
+    /// The number of rows that wait to be spread together with those that follow: those of the last stamps.
+    pub(crate) fn waiting(&self, times_s: &[f64]) -> usize {
+        let stamps = times_s[self.spread..].chunk_by(|a, b| a.to_bits() == b.to_bits());
+        stamps.rev().take(LEAST_STAMPS).map(<[f64]>::len).sum()
     }
 
-    /// The number of rows that are not yet spread.
-    pub(crate) fn waiting(&self) -> usize {
-        self.group.len()
+    /// The first rows have been taken away.
+    pub(crate) fn forget(&mut self, rows: usize) {
+        self.spread -= rows;
     }
 
-    /// The stamp of the last row.
-    pub(crate) fn last_s(&self) -> Option<f64> {
-        self.group.last().map(|row| row[0])
-    }
-
-    /// Takes the next row; with a new stamp, the rows of the last one are spread.
-    pub(crate) fn push(&mut self, row: Vec<f64>, columns: &mut [&mut Vec<f64>]) {
-        if let Some(stamp_s) = self.last_s().filter(|stamp_s| row[0] > *stamp_s) {
-            let slot_s = self.step_s.min(row[0] - stamp_s);
-            self.spread(slot_s, if self.has_begun { Place::Middle } else { Place::AtEnd }, columns);
+    /// Spreads the rows that are not spread yet, but those of the last stamps if further rows may follow. The first time it says how.
+    pub(crate) fn spread(&mut self, times_s: &mut [f64], is_at_end: bool) -> Option<Note> {
+        let to = times_s.len() - if is_at_end { 0 } else { self.waiting(times_s) };
+        let next_s = times_s.get(to).copied();
+        let times_s = &mut times_s[self.spread..to];
+        let stamps = Stamp::all_of(times_s, next_s);
+        let mut rest = stamps.as_slice();
+        let (mut clocks, mut within_stamps) = (0, 0);
+        let mut longest: Option<Even> = None;
+        while let Some((stamp, others)) = rest.split_first() {
+            let even = if let Some((fit, clock)) = Even::longest(rest, self.usual) {
+                rest = &rest[fit..];
+                clocks += 1;
+                longest = longest.filter(|longest| longest.rows >= clock.rows).or(Some(clock));
+                clock
+            } else {
+                rest = others;
+                within_stamps += stamp.rows;
+                stamp.spread(self.usual, self.last_s == f64::NEG_INFINITY)
+            };
+            even.write(times_s, &mut self.last_s);
         }
-        self.group.push(row);
-    }
-
-    /// Spreads the rows of the last stamp.
-    pub(crate) fn finish(&mut self, columns: &mut [&mut Vec<f64>]) {
-        self.spread(self.step_s, Place::AtStart, columns);
-    }
-
-    fn spread(&mut self, slot_s: f64, place: Place, columns: &mut [&mut Vec<f64>]) {
-        let rows = self.group.len() as f64;
-        let apart_s = self.interval_s.min(slot_s / rows);
-        // A full stamp begins with its own time.
-        let begins_s = match place {
-            Place::AtStart => 0.0,
-            Place::Middle => 0.5 * (slot_s - rows * apart_s),
-            Place::AtEnd => slot_s - rows * apart_s,
-        };
-        for (index, row) in self.group.drain(..).enumerate() {
-            columns[0].push(row[0] + begins_s + index as f64 * apart_s);
-            for (column, value) in columns[1..].iter_mut().zip(&row[1..]) {
-                column.push(*value);
-            }
-        }
-        self.has_begun = true;
+        self.spread = to;
+        let Usual { step_s, interval_s } = self.usual;
+        let interval_s = longest.map_or(interval_s, |longest| longest.interval_s);
+        let note = Note::CoarseTimes { step_s, interval_s, clocks, within_stamps };
+        (!std::mem::replace(&mut self.is_told, true)).then_some(note)
     }
 }
 
@@ -145,7 +133,7 @@ enum Event {
 
 /// The usual step of the stamps, and the usual interval of the rows: the step over the mean number of rows of the stamps that another
 /// follows at this step.
-fn usual(stamps_s: &[f64], events: &[Event]) -> (f64, f64) {
+fn usual(stamps_s: &[f64], events: &[Event]) -> Usual {
     let mut steps: Vec<f64> = stamps_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
     let step_s = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
@@ -164,7 +152,7 @@ fn usual(stamps_s: &[f64], events: &[Event]) -> (f64, f64) {
             rows += *count as f64;
         }
     }
-    (step_s, if rows > 0.0 { span_s / rows } else { step_s })
+    Usual { step_s, interval_s: if rows > 0.0 { span_s / rows } else { step_s } }
 }
 
 #[cfg(test)]
@@ -204,14 +192,125 @@ mod tests {
             let even = read(&text(2003, 2e-3, stamp));
             assert_eq!(even.rows(), 2003);
             assert!(off_s(&even) < 1e-9, "{}", off_s(&even));
-            let [Note::CoarseTimes { step_s, interval_s }] = even.notes() else { panic!("{:?}", even.notes()) };
+            let [Note::CoarseTimes { step_s, interval_s, .. }] = even.notes() else { panic!("{:?}", even.notes()) };
             assert!((step_s - 0.01).abs() < 1e-12 && (interval_s - 2e-3).abs() < 1e-6, "{step_s} {interval_s}");
-            // A sampling that does not fit into the stamps: within a row.
-            let uneven = read(&text(2000, 3e-3, stamp));
-            assert!(uneven.rows() == 2000 && off_s(&uneven) < 2.5e-3, "{}", off_s(&uneven));
         }
-        let told = read(&text(200, 2e-3, stamps[0])).notes()[0].to_string();
-        assert!(told.starts_with("time stamps are 10.0 ms apart and 5.00 rows share one"), "{told}");
+        let whole = read(&text(200, 2e-3, stamps[1]));
+        assert!(whole.time_s().iter().zip(whole.signal(Signal::Spool).unwrap()).all(|(a, b)| (a - b).abs() < 1e-12));
+        let told = "time stamps are 10.0 ms apart and 5.00 rows share one: they are spread evenly, 2.00 ms apart";
+        assert_eq!(whole.notes()[0].to_string(), told);
+    }
+
+    /// Stamps of 10 ms that come up to 1 ms early or late.
+    fn jittered(time_s: f64) -> f64 {
+        let late_ms = |stamp: f64| (7.3 * stamp).sin().round();
+        let at_ms = 1e3 * time_s + 1e-6;
+        let stamp = (at_ms / 10.0).floor();
+        let before = f64::from(at_ms < 10.0 * stamp + late_ms(stamp));
+        let after = f64::from(at_ms >= 10.0 * (stamp + 1.0) + late_ms(stamp + 1.0));
+        (stamp + after - before).max(0.0) / 100.0
+    }
+
+    #[test]
+    fn rows_within_uneven_stamps_are_on_one_even_clock() {
+        type Stamps = (f64, fn(f64) -> f64);
+        let timer: fn(f64) -> f64 = |time_s| (time_s / 15.625e-3).floor() * 15.625e-3;
+        let of_10_ms: [Stamps; 3] = [
+            (3e-3, |time_s| (time_s * 100.0 + 1e-6).floor() / 100.0),
+            (1.07e-3, |time_s| (time_s * 100.0).round() / 100.0),
+            (1.07e-3, |time_s| (time_s * 100.0).ceil() / 100.0),
+        ];
+        for (interval_s, stamp) in [(1e-3, timer), (1e-3, jittered), (7e-3, timer)].into_iter().chain(of_10_ms) {
+            for rows in [400, 2003, 20_011] {
+                let even = read(&text(rows, interval_s, stamp));
+                let off = off_s(&even) / interval_s;
+                assert!(even.rows() == rows as usize && off < 0.3, "{interval_s} s, {rows} rows: off by {off} rows");
+                let steps: Vec<f64> = even.time_s().windows(2).map(|pair| pair[1] - pair[0]).collect();
+                assert!(steps.iter().all(|step| (step - steps[0]).abs() < 1e-9), "{interval_s} s: uneven");
+                let [Note::CoarseTimes { clocks: 1, within_stamps: 0, .. }] = even.notes() else {
+                    panic!("{:?}", even.notes())
+                };
+            }
+        }
+    }
+
+    #[test]
+    fn after_a_pause_rows_are_on_a_clock_of_their_own() {
+        let timer = |time_s: f64| (time_s / 15.625e-3).floor() * 15.625e-3;
+        for pause_s in [0.012, 0.02, 0.5] {
+            let mut text = String::from("time [s],spool\n");
+            for row in 0..4000 {
+                let time_s = 1e-3 * f64::from(row) + if row < 2345 { 0.0 } else { pause_s };
+                writeln!(text, "{:.4},{time_s:.4}", timer(time_s)).unwrap();
+            }
+            let recording = read(&text);
+            let Note::CoarseTimes { clocks: 2, within_stamps: 0, .. } = recording.notes()[0] else {
+                panic!("{pause_s} s: {:?}", recording.notes())
+            };
+            let steps: Vec<f64> = recording.time_s().windows(2).map(|pair| pair[1] - pair[0]).collect();
+            let longest = (0..steps.len()).max_by(|a, b| steps[*a].total_cmp(&steps[*b])).unwrap();
+            assert!(longest.abs_diff(2344) <= 15, "{pause_s} s: after row {longest}");
+            assert!((steps[longest] - pause_s - 1e-3).abs() < 1e-3, "{pause_s} s: {} s", steps[longest]);
+            let told = recording.notes()[0].to_string();
+            assert!(told.ends_with("they are spread evenly in each of 2 stretches, 1.00 ms apart"), "{told}");
+        }
+    }
+
+    #[test]
+    fn where_the_rate_changes_a_clock_of_its_own_begins() {
+        // From 1000 to 500 rows a second.
+        let mut text = String::from("time [s],spool\n");
+        for row in 0..2000 {
+            let time_s = 1e-3 * f64::from(row) + 1e-3 * f64::from((row - 1000).max(0));
+            writeln!(text, "{:.2},{time_s:.4}", (time_s * 100.0 + 1e-6).floor() / 100.0).unwrap();
+        }
+        let recording = read(&text);
+        assert!(matches!(recording.notes(), [Note::CoarseTimes { clocks: 2, within_stamps: 0, .. }]));
+        let off = |(time_s, sampled_s): (&f64, &f64)| (time_s - sampled_s).abs() > 1e-9;
+        let rows_off = recording.time_s().iter().zip(recording.signal(Signal::Spool).unwrap()).filter(|row| off(*row));
+        assert!(off_s(&recording) < 5e-3 && rows_off.count() < 5, "those of one stamp");
+    }
+
+    #[test]
+    fn rows_that_fit_no_clock_are_spread_within_their_stamps() {
+        let mut text = String::from("time [s],spool\n");
+        let mut rows = 0;
+        for stamp in 0..100 {
+            for _ in 0..[1, 2, 1, 40][stamp % 4] {
+                rows += 1;
+                writeln!(text, "{},{rows}", 0.01 * stamp as f64).unwrap();
+            }
+        }
+        let recording = read(&text);
+        assert_eq!(recording.rows(), rows);
+        let Note::CoarseTimes { clocks: 0, within_stamps, .. } = recording.notes()[0] else {
+            panic!("{:?}", recording.notes())
+        };
+        assert_eq!(within_stamps, rows);
+        for (time_s, row) in recording.time_s().iter().zip(text.lines().skip(1)) {
+            let stamp_s: f64 = row.split(',').next().unwrap().parse().unwrap();
+            assert!((stamp_s..stamp_s + 0.01).contains(time_s), "{time_s} s of {stamp_s} s");
+        }
+        let told = recording.notes()[0].to_string();
+        assert!(told.contains("they fit no even clock and are spread within each stamp, about "), "{told}");
+    }
+
+    #[test]
+    fn times_that_rows_do_not_share_stay_as_they_are() {
+        for stamp in [
+            |time_s: f64| time_s,
+            |time_s: f64| (time_s * 1e3).round() / 1e3,
+            |time_s: f64| time_s + 1e-4 * (1e5 * time_s).sin(),
+        ] {
+            let text = text(2000, 1.25e-3, stamp);
+            let written: Vec<u64> = text
+                .lines()
+                .skip(1)
+                .map(|line| line.split(',').next().unwrap().parse::<f64>().unwrap().to_bits())
+                .collect();
+            let recording = read(&text);
+            assert!(recording.notes().is_empty() && recording.time_s().iter().map(|time| time.to_bits()).eq(written));
+        }
     }
 
     #[test]
@@ -248,17 +347,20 @@ mod tests {
 
     #[test]
     fn in_parts_rows_are_spread_as_in_the_whole_and_told_once() {
-        let text = text(9000, 2e-3, |time_s| (time_s * 100.0).round() / 100.0);
-        let whole = read(&text);
-        let mut parts = parts_of("run.csv", Box::new(text.as_bytes()), &ChannelMap::default(), 2500).unwrap();
-        let (mut time_s, mut notes) = (Vec::new(), 0);
-        while let Some(part) = parts.read_next().unwrap() {
-            time_s.extend_from_slice(part.recording.time_s());
-            notes += part.recording.notes().len();
-            parts.forget_before(usize::MAX);
+        let even = text(9000, 2e-3, |time_s| (time_s * 100.0).round() / 100.0);
+        let uneven = text(9000, 1e-3, |time_s| (time_s / 15.625e-3).floor() * 15.625e-3);
+        for (text, most_s) in [(even, 1e-12), (uneven, 2e-4)] {
+            let whole = read(&text);
+            let mut parts = parts_of("run.csv", Box::new(text.as_bytes()), &ChannelMap::default(), 2500).unwrap();
+            let (mut time_s, mut notes) = (Vec::new(), 0);
+            while let Some(part) = parts.read_next().unwrap() {
+                time_s.extend_from_slice(part.recording.time_s());
+                notes += part.recording.notes().len();
+                parts.forget_before(usize::MAX);
+            }
+            assert_eq!((time_s.len(), notes), (9000, 1));
+            let off = time_s.iter().zip(whole.time_s()).map(|(part, whole)| (part - whole).abs()).fold(0.0, f64::max);
+            assert!(off < most_s, "{off}");
         }
-        assert_eq!((time_s.len(), notes), (9000, 1));
-        let off = time_s.iter().zip(whole.time_s()).map(|(part, whole)| (part - whole).abs()).fold(0.0, f64::max);
-        assert!(off < 1e-5, "{off}");
     }
 }

@@ -266,8 +266,7 @@ impl<C: Contents> File<'_, C> {
         if repeated.is_some() && kept > 1 {
             let mut series: Vec<&mut Vec<f64>> = columns.iter_mut().map(|column| &mut column.values).collect();
             if let Some(mut coarse) = CoarseStamps::found(&mut series, &mut left_out) {
-                coarse.finish(&mut series);
-                notes.push(coarse.note());
+                notes.extend(coarse.spread(series[0], true));
                 repeated = None;
                 kept = columns[0].values.len();
             }

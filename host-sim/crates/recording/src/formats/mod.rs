@@ -16,6 +16,7 @@ mod parquet;
 pub mod read;
 mod resample;
 pub mod sheet;
+mod stamp_clock;
 pub(crate) mod text;
 pub(crate) mod unsupported;
 pub mod write;

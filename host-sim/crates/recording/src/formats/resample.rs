@@ -50,9 +50,8 @@ impl Sampled {
         };
         let mut series = [&mut self.time_s, &mut self.column.values];
         let mut coarse = CoarseStamps::found(&mut series, &mut left_out)?;
-        coarse.finish(&mut series);
-        let spread = std::mem::take(&mut self.repeated).len();
-        Some((coarse.note(), spread))
+        let note = coarse.spread(series[0], true)?;
+        Some((note, std::mem::take(&mut self.repeated).len()))
     }
 
     /// Its value at a time, linear between its samples; `None` where it has none.

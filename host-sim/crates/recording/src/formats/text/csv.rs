@@ -108,13 +108,13 @@ impl Reader<'_> {
             let cells = self.splitter.split(line)?;
             self.table.push(line, cells)?;
             if self.table.held() == ROWS_TO_DECIDE {
-                self.notes.extend(self.table.decide());
+                self.table.decide();
             }
         }
         if self.is_at_end {
-            self.notes.extend(self.table.decide());
-            self.table.finish();
+            self.table.decide();
         }
+        self.notes.extend(self.table.spread(self.is_at_end));
         Ok(())
     }
 
@@ -141,10 +141,12 @@ impl Reader<'_> {
 
     /// The rows that are held; a later part may contain some of them again. It has only notes that no earlier part had.
     pub(crate) fn held(&mut self) -> Result<Recording, RecordingError> {
-        let columns = self.table.columns.iter().map(|(_, column)| column.clone()).collect();
+        let kept = self.table.kept();
+        let of = |column: &Column| Column { values: column.values[..kept].to_vec(), ..column.clone() };
+        let columns = self.table.columns.iter().map(|(_, column)| of(column)).collect();
         let (left_out, ignored) = (self.table.left_out.clone(), self.ignored.clone());
         let recording = self.recording(columns, left_out, ignored);
-        self.told_gaps = self.table.kept().saturating_sub(1);
+        self.told_gaps = kept.saturating_sub(1);
         recording
     }
 
@@ -212,44 +214,47 @@ enum Stamps {
 const ROWS_TO_DECIDE: usize = 1000;
 
 impl TextRows {
-    /// The number of rows held.
-    fn held(&self) -> usize {
-        let waiting = if let Stamps::Coarse(coarse) = &self.stamps { coarse.waiting() } else { 0 };
-        self.kept() + self.left_out.after.len() + waiting
+    /// The times of the rows held, s.
+    fn times_s(&self) -> &[f64] {
+        self.columns.first().map_or(&[], |(_, time)| &time.values)
     }
 
-    /// Decides how rows that share a time stamp are treated, if that is still open; with a note where they are spread.
-    fn decide(&mut self) -> Option<Note> {
+    /// The number of rows held.
+    fn held(&self) -> usize {
+        self.times_s().len() + self.left_out.after.len()
+    }
+
+    /// Decides how rows that share a time stamp are treated, if that is still open.
+    fn decide(&mut self) {
         if !matches!(self.stamps, Stamps::Undecided) {
-            return None;
+            return;
         }
         let mut columns: Vec<&mut Vec<f64>> = self.columns.iter_mut().map(|(_, column)| &mut column.values).collect();
         let found = CoarseStamps::found(&mut columns, &mut self.left_out);
-        let note = found.as_ref().map(CoarseStamps::note);
         if found.is_some() {
             self.repeated = None;
         }
         self.stamps = found.map_or(Stamps::Repeat, Stamps::Coarse);
-        note
     }
 
-    /// The last row has been read.
-    fn finish(&mut self) {
-        if let Stamps::Coarse(coarse) = &mut self.stamps {
-            let mut columns: Vec<&mut Vec<f64>> =
-                self.columns.iter_mut().map(|(_, column)| &mut column.values).collect();
-            coarse.finish(&mut columns);
-        }
+    /// Spreads the rows that share a time stamp, if they are to be; with a note the first time.
+    fn spread(&mut self, is_at_end: bool) -> Option<Note> {
+        let Stamps::Coarse(coarse) = &mut self.stamps else { return None };
+        coarse.spread(&mut self.columns[0].1.values, is_at_end)
     }
 
-    /// The number of rows held, without those left out.
+    /// The number of rows held, without those left out and those that wait to be spread.
     fn kept(&self) -> usize {
-        self.columns.first().map_or(0, |(_, time)| time.values.len())
+        let waiting = if let Stamps::Coarse(coarse) = &self.stamps { coarse.waiting(self.times_s()) } else { 0 };
+        self.times_s().len() - waiting
     }
 
     fn forget_before(&mut self, row: usize) {
         for (_, column) in &mut self.columns {
             column.values.drain(..row);
+        }
+        if let Stamps::Coarse(coarse) = &mut self.stamps {
+            coarse.forget(row);
         }
         let forgotten = self.left_out.after.partition_point(|&after| after < row);
         self.left_out.after.drain(..forgotten);
@@ -279,20 +284,11 @@ impl TextRows {
             self.row.push(number(line, cells.get(*index), column, self.separator, *index)?);
         }
         let found_s = self.row[0];
-        if let Stamps::Coarse(coarse) = &mut self.stamps {
-            if let Some(previous_s) = coarse.last_s().filter(|previous_s| found_s < *previous_s) {
-                return Err(RecordingError::TimeBackwards { place: line.cell(self.separator, 0), previous_s, found_s });
-            }
-            let mut columns: Vec<&mut Vec<f64>> =
-                self.columns.iter_mut().map(|(_, column)| &mut column.values).collect();
-            coarse.push(self.row.clone(), &mut columns);
-            return Ok(());
-        }
         if let Some(&previous_s) = self.columns[0].1.values.last() {
             if found_s < previous_s {
                 return Err(RecordingError::TimeBackwards { place: line.cell(self.separator, 0), previous_s, found_s });
             }
-            if found_s <= previous_s {
+            if found_s <= previous_s && !matches!(self.stamps, Stamps::Coarse(_)) {
                 count(&mut self.repeated, line);
                 self.leave_out(cells);
                 return Ok(());
@@ -305,8 +301,7 @@ impl TextRows {
     }
 
     fn leave_out(&mut self, cells: Cells<'_>) {
-        let waiting = if let Stamps::Coarse(coarse) = &self.stamps { coarse.waiting() } else { 0 };
-        self.left_out.after.push(self.kept() + waiting);
+        self.left_out.after.push(self.times_s().len());
         for (index, column) in &self.columns {
             let value = parse_number(cells.get(*index), self.separator != b',').map(|value| column.unit.to_si(value));
             self.left_out.cells.push(value.filter(|value| value.is_finite()));
