@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use diagnosis::agreement::{far_values, not_tolerated, tolerated};
+use diagnosis::agreement::{far_values, has_sensor, not_tolerated, tolerated};
 use diagnosis::localisation::{Miss, misses};
 use diagnosis::{DiagnoseError, base_parameters};
 use identification::compare::judged;
@@ -102,7 +102,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let inflation = inflation(&residuals, counts);
     let estimates = fitted.estimates(inflation);
     console.print(terminal::parameters(&not_tolerated(&free, &estimates)))?;
-    let within = tolerated(&free, &estimates);
+    let mut within = tolerated(&free, &estimates);
+    within.retain(|one| has_sensor(cases.iter().copied(), one.parameter));
     if let Some(table) = terminal::tolerances(&file.machine, &within) {
         console.print(table)?;
     }

@@ -47,7 +47,7 @@ fn a_position_that_runs_the_other_way_is_no_missing_physics() {
 fn a_scale_that_a_refit_absorbs_is_told_and_so_are_the_values_that_absorb_it() {
     let folder = folder_with("position", |value| 0.1 * value);
     let said = refused(folder.path(), &FIT);
-    assert!(said.contains("position seems to be a tenth of what it was: taken 10 times as large"), "{said}");
+    assert!(said.contains("position seems to be a tenth of what it should be: taken 10 times as large"), "{said}");
     let fitted = fitted_as_recorded(folder.path());
     assert!(fitted.contains("which no oil has") && fitted.contains("the unit of position"), "{fitted}");
 }

@@ -9,7 +9,7 @@ use recording::Signal;
 use simulation::Trajectory;
 use simulation::figures_of_merit::SignalFit;
 
-use crate::agreement::{Doubt, FarValue, Tolerated, far_values, not_tolerated, tolerated};
+use crate::agreement::{Doubt, FarValue, Tolerated, far_values, has_sensor, not_tolerated, tolerated};
 use crate::catalogue::Hypothesis;
 use crate::correction_table::Unnamed;
 use crate::finding::Finding;
@@ -149,14 +149,15 @@ impl Diagnosis {
         not_tolerated(&self.base_parameters, &self.refitted)
     }
 
-    /// What the fit used of tolerances; what a finding has taken over is the finding's.
+    /// What the fit used of tolerances, without those of sensors that are not recorded; what a finding has taken over is the finding's.
     #[must_use]
     pub fn tolerances(&self) -> Vec<Tolerated> {
         let is_found = |one: &Tolerated| {
             self.findings.iter().flat_map(|finding| &finding.parameters).any(|own| own.parameter == one.parameter)
         };
         let mut all = tolerated(&self.base_parameters, &self.refitted);
-        all.retain(|one| !is_found(one));
+        let is_recorded = |one: &Tolerated| has_sensor(self.of(false).map(|shown| &shown.prepared), one.parameter);
+        all.retain(|one| !is_found(one) && is_recorded(one));
         all
     }
 

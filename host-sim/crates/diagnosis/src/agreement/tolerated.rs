@@ -1,7 +1,10 @@
 //! What a fit used of the tolerances of `[fit.tolerance]`.
 
+use identification::experiment::Prepared;
 use identification::fit::{Estimate, Free};
 use model_core::machine::Parameter;
+use recording::Signal;
+use simulation::InputPoint;
 
 /// From this share of a tolerance on it is used up. A fit moves ever more stiffly towards the limit, three standard deviations and more up to here,
 /// so that only recordings that press for more come so far.
@@ -29,6 +32,20 @@ pub fn not_tolerated(free: &[Free], estimates: &[Estimate]) -> Vec<Estimate> {
     estimates.iter().filter(|estimate| !is_tolerance(estimate.parameter)).copied().collect()
 }
 
+/// Whether one of these recordings has the sensor whose reading a parameter changes, or the parameter is of no such sensor.
+pub fn has_sensor<'a>(cases: impl IntoIterator<Item = &'a Prepared>, parameter: Parameter) -> bool {
+    use Parameter as P;
+    let (signal, driven_by) = match parameter {
+        P::PressureAOffset | P::PressureAFactor => (Signal::PressureA, InputPoint::Force),
+        P::PressureBOffset | P::PressureBFactor => (Signal::PressureB, InputPoint::Force),
+        P::SpoolOffset | P::SpoolFactor => (Signal::Spool, InputPoint::Spool),
+        _ => return true,
+    };
+    cases.into_iter().any(|case| {
+        case.stimulus.input_point == driven_by || case.channels.iter().any(|channel| channel.signal == signal)
+    })
+}
+
 /// Those of fitted values that are tolerances.
 #[must_use]
 pub fn tolerated(free: &[Free], estimates: &[Estimate]) -> Vec<Tolerated> {
@@ -43,8 +60,20 @@ pub fn tolerated(free: &[Free], estimates: &[Estimate]) -> Vec<Tolerated> {
 #[cfg(test)]
 mod tests {
     use identification::fit::Freedom;
+    use machine_file::LoadSource;
+    use test_press::{press, recorded_for};
 
     use super::*;
+
+    #[test]
+    fn a_sensor_that_no_recording_has_is_none() {
+        let machine = press(&[]);
+        let sensors = [(Signal::Position, 1e-5), (Signal::PressureA, 1e4)];
+        let case = Prepared::new(&recorded_for(&machine, &sensors, 500), &machine, LoadSource::Constant, None).unwrap();
+        let has = |parameter| has_sensor([&case], parameter);
+        assert!(has(Parameter::PressureAOffset) && has(Parameter::StribeckForce));
+        assert!(!has(Parameter::PressureBOffset) && !has(Parameter::SpoolOffset));
+    }
 
     #[test]
     fn a_tolerance_that_is_used_up_is_told_from_one_that_is_not_and_from_a_base_parameter() {

@@ -63,6 +63,13 @@ impl Waterfall {
             self.stages.iter().zip(before).map(|(stage, before)| (before - stage.total) / above).collect()
         })
     }
+
+    /// Whether a share says nothing: the machine file leaves less misfit than noise, of which chance alone takes more than there is, or less
+    /// than none.
+    #[must_use]
+    pub fn is_chance(&self, share: f64) -> bool {
+        self.stages.first().is_some_and(|first| first.total < 2.0) && !(-5e-4..1.0005).contains(&share)
+    }
 }
 
 fn judged(shown: &[Shown], held_out: bool) -> impl Iterator<Item = &Shown> {
@@ -125,5 +132,15 @@ mod tests {
         }
         let quiet = Waterfall { held_out: true, stages: vec![stage("file", 0.98), stage("noise", 1.0)] };
         assert_eq!(quiet.shares(), None);
+    }
+
+    #[test]
+    fn a_share_of_next_to_nothing_is_chance_and_one_of_much_is_not() {
+        let of = |total| Waterfall {
+            held_out: true,
+            stages: vec![Stage { label: "file".into(), effect: None, signals: Vec::new(), total }],
+        };
+        assert!(of(1.02).is_chance(-1.23) && of(1.02).is_chance(1.4) && !of(1.02).is_chance(0.6));
+        assert!(!of(60.0).is_chance(-0.03));
     }
 }

@@ -70,7 +70,7 @@ pub(crate) fn tolerances(diagnosis: &Diagnosis) -> Markup {
                         td { @if one.parameter.description().min < 0.0 { "±" } (number(one.most, 2)) }
                         td { (one.parameter.description().unit) }
                         td { (significant(100.0 * (one.value / one.most).abs(), 2)) " %" }
-                        td class="text" { @if let Some(size) = sized(one.parameter, one.value) { (size) } }
+                        td class="text" { @if let Some(size) = sized(one.parameter, one.value) { (size.within_tolerance()) } }
                     }
                 }
             }

@@ -156,7 +156,7 @@ fn tolerance(diagnosis: &Diagnosis, one: &Tolerated) -> Value {
         "std": digits(one.std, 3),
         "unit": one.parameter.description().unit,
         "at_limit": one.at_limit,
-        "size": size(machine, one.parameter, one.value).map(|size| size.to_string()),
+        "size": size(machine, one.parameter, one.value).map(|size| size.within_tolerance()),
         "sentence": wording::at_limit(machine, one),
     })
 }

@@ -35,6 +35,17 @@ impl fmt::Display for Size {
     }
 }
 
+impl Size {
+    /// What is said of it within a tolerance: not graded as a finding is.
+    #[must_use]
+    pub fn within_tolerance(&self) -> String {
+        match self.grade {
+            None | Some(Grade::Usual) => self.to_string(),
+            Some(_) => format!("{}{}: more than usual, within the tolerance", self.amount, self.of),
+        }
+    }
+}
+
 /// The size of a value of an effect parameter in this drive; `None` for a base parameter and for the correction table.
 #[must_use]
 pub fn size(machine: &Machine<f64>, parameter: Parameter, value: f64) -> Option<Size> {

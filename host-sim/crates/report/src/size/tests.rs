@@ -26,6 +26,9 @@ fn every_parameter_of_an_effect_has_a_size_and_no_other_has() {
 fn friction_is_a_force_and_a_share_of_full_force_with_a_grade() {
     assert_eq!(said(Parameter::StribeckForce, 500.0), "500 N, 2.3 % of full force: usual for a sealed cylinder");
     assert_eq!(said(Parameter::CoulombFriction, 913.0), "913 N, 4.2 % of full force: raised");
+    let within = |value| size(&press(&[]), Parameter::StribeckForce, value).unwrap().within_tolerance();
+    assert_eq!(within(870.0), "870 N, 4.0 % of full force: more than usual, within the tolerance");
+    assert_eq!(within(500.0), "500 N, 2.3 % of full force: usual for a sealed cylinder");
     assert_eq!(said(Parameter::AsymmetricRetracting, 2419.0), "2419 N, 11 % of full force: worn or jammed");
     assert_eq!(said(Parameter::StribeckExcess, 500.0), "500 N, 2.3 % of full force");
     assert_eq!(said(Parameter::LoadSpringForce, -12_000.0), "12.0 kN against retracting, 55 % of full force");

@@ -61,6 +61,7 @@ pub(super) fn waterfall(exhibits: &Exhibits) -> Table {
         let left = stage.signals.iter().map(|(_, left)| *left).chain([stage.total]).map(|left| significant(left, 3));
         let share = match &shares {
             // The machine file removes nothing: the misfit above noise starts there. The last stage, the noise, stands for what was left.
+            Some(shares) if exhibits.waterfall.is_chance(shares[index]) => String::new(),
             Some(shares) if index + 1 == stages.len() => format!("{} left", share_taken(shares[index])),
             Some(shares) if index > 0 => share_taken(shares[index]),
             _ => String::new(),
@@ -112,7 +113,7 @@ pub fn tolerances(machine: &Machine<f64>, tolerated: &[Tolerated]) -> Option<Str
         let used = format!("{} %", significant(100.0 * (one.value / one.most).abs(), 2));
         let thing = wording::tolerated_thing(one.parameter).to_owned();
         let sign = if one.parameter.description().min < 0.0 { "±" } else { "" };
-        table.add_row([thing, format!("{sign}{}", limit.amount), used, value.to_string()]);
+        table.add_row([thing, format!("{sign}{}", limit.amount), used, value.within_tolerance()]);
     }
     (!tolerated.is_empty()).then(|| format!("{WITHIN}:\n{table}"))
 }

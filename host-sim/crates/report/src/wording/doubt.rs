@@ -10,8 +10,9 @@ use super::far_value::moved;
 #[must_use]
 pub fn doubt(doubt: &Doubt) -> String {
     let of = if doubt.in_all { String::new() } else { format!("{}: ", doubt.recordings.join(", ")) };
-    let [seems, changed] =
-        [claim, remedy].map(|words| joined(doubt.changed.changes.iter().map(|change| words(*change))));
+    let claim = |change: &Change| claim(*change, &doubt.signals);
+    let seems = joined(doubt.changed.changes.iter().map(claim));
+    let changed = joined(doubt.changed.changes.iter().map(|change| remedy(*change)));
     let signals = joined(doubt.signals.iter().map(|signal| signal.name().to_owned()));
     // Worse than the mean is no fit, however much worse.
     let percent = |trial: &Trial| significant(trial.fit_percent.max(0.0), 3);
@@ -19,9 +20,10 @@ pub fn doubt(doubt: &Doubt) -> String {
         Some(far) if far.is_impossible => format!(", and only with {}", moved(far)),
         _ => String::new(),
     };
-    let others = doubt.others.iter().map(|other| {
-        format!("; or {}: {} %", joined(other.changes.iter().map(|change| claim(*change))), percent(other))
-    });
+    let others = doubt
+        .others
+        .iter()
+        .map(|other| format!("; or {}: {} %", joined(other.changes.iter().map(claim)), percent(other)));
     format!(
         "{of}{seems}: {changed}, the fit of {signals} is {} % (as recorded {} %{only_with}){}",
         percent(&doubt.changed),
@@ -30,8 +32,8 @@ pub fn doubt(doubt: &Doubt) -> String {
     )
 }
 
-/// What a change says of the recordings.
-fn claim(change: Change) -> String {
+/// What a change says of the recordings, where these signals raise the doubt.
+fn claim(change: Change, signals: &[Signal]) -> String {
     match change {
         Change::Reversed(signal) => format!("{signal} seems to run the other way"),
         Change::PortsExchanged => "ports A and B of the valve seem to be exchanged".to_owned(),
@@ -47,15 +49,15 @@ fn claim(change: Change) -> String {
             format!("the areas seem to be those of another cylinder, {bore_mm}/{rod_mm} mm")
         }
         Change::Scaled(signal, factor) => {
-            let signals = match signal {
-                Signal::PressureA | Signal::PressureB => "both pressures seem".to_owned(),
-                _ => format!("{signal} seems"),
+            let chambers = [Signal::PressureA, Signal::PressureB];
+            let doubtful: Vec<Signal> = chambers.into_iter().filter(|chamber| signals.contains(chamber)).collect();
+            let (who, they) = match doubtful[..] {
+                _ if !chambers.contains(&signal) => (format!("{signal} seems"), "it"),
+                [one] => (format!("{one} seems"), "it"),
+                _ => ("both pressures seem".to_owned(), "they"),
             };
-            let were = if signals.starts_with("both") { "they were" } else { "it was" };
-            match share(1.0 / factor) {
-                Some(share) => format!("{signals} to be {share} of what {were}"),
-                None => format!("{signals} to be {} times what {were}", significant(1.0 / factor, 2)),
-            }
+            let unit = misread(factor).filter(|_| signal.is_pressure()).unwrap_or_default();
+            format!("{who} to be {} what {they} should be{unit}", times(1.0 / factor))
         }
     }
 }
@@ -77,10 +79,23 @@ fn remedy(change: Change) -> String {
     }
 }
 
-/// The word for a decimal fraction.
-fn share(factor: f64) -> Option<&'static str> {
+/// `10 times`, `a tenth of`.
+fn times(factor: f64) -> String {
+    share(factor).map_or_else(|| format!("{} times", significant(factor, 2)), |share| format!("{share} of"))
+}
+
+/// The word for a decimal fraction; a small fraction as `1/60000`.
+fn share(factor: f64) -> Option<String> {
     let words = [(0.1, "a tenth"), (0.01, "a hundredth"), (0.001, "a thousandth")];
-    words.into_iter().find(|(share, _)| (factor / share - 1.0).abs() < 1e-9).map(|(_, word)| word)
+    let word =
+        words.into_iter().find(|(share, _)| (factor / share - 1.0).abs() < 1e-9).map(|(_, word)| word.to_owned());
+    word.or_else(|| (factor < 1e-3).then(|| format!("1/{}", significant(1.0 / factor, 2))))
+}
+
+/// The units that a pressure's factor is between: of what was written, and of what it was taken for.
+fn misread(factor: f64) -> Option<&'static str> {
+    let units = [(1e5, ": bar for Pa"), (1e-5, ": Pa for bar"), (1e6, ": MPa for Pa"), (1e-6, ": Pa for MPa")];
+    units.into_iter().find(|(known, _)| (factor / known - 1.0).abs() < 1e-9).map(|(_, units)| units)
 }
 
 /// `a, b and c`.
@@ -99,13 +114,17 @@ mod tests {
 
     #[test]
     fn a_doubt_about_recordings_says_what_would_remove_it_and_how_much_better_they_fit() {
-        let said = |change| (claim(change), remedy(change));
+        let both = [Signal::PressureA, Signal::PressureB];
+        let said = |change| (claim(change, &both), remedy(change));
         let position = said(Change::Scaled(Signal::Position, 10.0));
-        assert_eq!(position.0, "position seems to be a tenth of what it was");
+        assert_eq!(position.0, "position seems to be a tenth of what it should be");
         assert_eq!(position.1, "taken 10 times as large");
         let pressures = said(Change::Scaled(Signal::PressureA, 1e-3));
-        assert_eq!(pressures.0, "both pressures seem to be 1000 times what they were");
+        assert_eq!(pressures.0, "both pressures seem to be 1000 times what they should be");
         assert_eq!(pressures.1, "taken as a thousandth of that");
         assert_eq!(said(Change::PressuresExchanged).1, "exchanged back");
+        let bar = claim(Change::Scaled(Signal::PressureA, 1e5), &[Signal::Position, Signal::PressureB]);
+        assert_eq!(bar, "pressure_b seems to be 1/100000 of what it should be: bar for Pa");
+        assert_eq!(remedy(Change::Scaled(Signal::PressureA, 1e-5)), "taken as 1/100000 of that");
     }
 }

@@ -5,6 +5,7 @@ use experiment::inspect::Advice;
 use recording::display_unit::{significant, unit_for_people};
 use recording::{Note, Signal};
 
+use super::unit::times_as;
 use super::unit_doubt;
 
 /// What is worth a second look in a recording, or another recording.
@@ -23,8 +24,8 @@ pub fn recording_advice(advice: &Advice) -> String {
                 Suspicion::PressuresCrossed =>
                     "each pressure is nearer to what the machine file's model gives for the other chamber".to_owned(),
                 Suspicion::MovesOtherwise(signal, ratio) if ratio.is_finite() => format!(
-                    "{signal} moves {} times as far as the machine file's model does with this input",
-                    significant(*ratio, 2)
+                    "{signal} moves {} as far as the machine file's model does with this input",
+                    times_as(*ratio)
                 ),
                 Suspicion::MovesOtherwise(signal, _) =>
                     format!("{signal} moves, but the machine file's model hardly does with this input"),

@@ -28,8 +28,8 @@ pub fn unit_doubt(doubt: &UnitDoubt) -> String {
             }
         }
         UnitDoubt::SpoolTravel { unit, share } => format!(
-            "the measured spool goes {} times as far as gain_per_v says of a held command: does the machine file count in {}, as the recording does?",
-            significant(*share, 2),
+            "the measured spool goes {} as far as gain_per_v says of a held command: does the machine file count in {}, as the recording does?",
+            times_as(*share),
             unit.symbol()
         ),
         UnitDoubt::Beyond { signal, unit, high, bound, fitting } => {
@@ -47,10 +47,19 @@ pub fn unit_doubt(doubt: &UnitDoubt) -> String {
                 format!(" With times in {unit}, it would be {}", significant(share, 2))
             });
             format!(
-                "the rod goes {} times as fast as the valve, opened as it was, lets it without load: are the units of time and position right?{instead}",
-                significant(*share, 2)
+                "the rod goes {} as fast as the valve, opened as it was, lets it without load: are the units of time and position right?{instead}",
+                times_as(*share)
             )
         }
+    }
+}
+
+/// `10 times`, before `as far`; a small fraction as `1/1000`.
+pub(super) fn times_as(factor: f64) -> String {
+    if (1e-9..0.01).contains(&factor) {
+        format!("1/{}", significant(1.0 / factor, 2))
+    } else {
+        format!("{} times", significant(factor, 2))
     }
 }
 
@@ -88,10 +97,7 @@ mod tests {
         let high = beyond(Signal::PressureA, "bar", 5e2, Bound::FarAboveSupply, "psi");
         assert!(high.contains("1.5 times the supply pressure or more") && high.contains(" psi would be possible"));
         let speed = unit_doubt(&UnitDoubt::Speed { share: 1e-3, fitting: Some((unit("ms"), 1.0)) });
-        assert!(
-            speed.starts_with("the rod goes 0.0010 times as fast as the valve, opened as it was, lets it"),
-            "{speed}"
-        );
+        assert!(speed.starts_with("the rod goes 1/1000 as fast as the valve, opened as it was, lets it"), "{speed}");
         assert!(speed.ends_with(" With times in ms, it would be 1.0"), "{speed}");
     }
 }
