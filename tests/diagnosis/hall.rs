@@ -1,13 +1,15 @@
 //! Drives as they stand in a hall: known by their data sheets alone, with the tolerances that every installed drive has.
 
-use diagnosis::Verdict;
+use diagnosis::{Verdict, base_parameters};
+use identification::experiment::Prepared;
+use identification::fit::{Free, first_search, with_channel_tolerances};
 use machine_file::data_sheet::{Answers, Edges, Item, derived, toml};
 use machine_file::{MachineFile, read_text};
 use model_core::machine::Parameter as P;
 use recording::Recording;
 use recording::excitation::signals::Excitation;
 use virtual_plant::sensor::sensors::PositionSensor;
-use virtual_plant::{Bench, Drive, InitialState, Plant, PlantEffect, Sensors, ValveEffect};
+use virtual_plant::{Bench, Drive, FlowEffect, InitialState, Plant, PlantEffect, Sensors, ValveEffect};
 
 use super::bed::{Case, accepted};
 
@@ -90,6 +92,40 @@ const fn random(seed: u64) -> Excitation {
 fn a_healthy_drive_misses_nothing_though_its_data_sheet_knows_none_of_its_tolerances() {
     let found = case(&[]).diagnose();
     assert_eq!((accepted(&found).as_str(), found.verdict), ("none", Verdict::NothingMissing), "{:?}", found.left);
+}
+
+/// A value that may move besides, or a tolerance, lets a fit come closer or leaves it where it is.
+#[test]
+fn a_base_fit_with_more_free_values_is_never_worse() {
+    let case = case(&[]);
+    let mut prepared = case.prepared(&case.training);
+    let all = base_parameters(&case.file);
+    let fitted = |free: &[Free], cases: &[&Prepared]| first_search(&case.file.machine, free, cases, 1e-5).unwrap();
+    let machine =
+        with_channel_tolerances(&case.file.machine, &mut prepared, |cases| Ok(fitted(&all, cases))).unwrap().machine;
+    let cases: Vec<&Prepared> = prepared.iter().collect();
+    let whole = fitted(&all, &cases).loss;
+    assert!(machine.get(P::MovingMass) > 100.0);
+    for left_out in
+        [P::TankPressure, P::BulkModulus, P::SpoolSpeedLimit, P::FlowCoefficient, P::MeteringRatio, P::StribeckForce]
+    {
+        let fewer: Vec<Free> = all.iter().filter(|free| free.parameter != left_out).copied().collect();
+        assert!(fewer.len() < all.len(), "{left_out:?}");
+        let loss = fitted(&fewer, &cases).loss;
+        assert!(whole <= 1.001 * loss, "without {left_out:?} {loss}, with it {whole}");
+    }
+}
+
+/// Edges that differ by less than their tolerance are told as that; worn ones are named.
+#[test]
+fn what_is_within_its_tolerance_becomes_a_finding_only_beyond() {
+    let edges = |wider: f64| {
+        PlantEffect::Flow(FlowEffect::Metering { sizes: [1.0 + wider, 1.0 - wider, 1.0 + wider, 1.0 - wider] })
+    };
+    let within = case(&[edges(0.02)]).diagnose();
+    assert_eq!((accepted(&within).as_str(), within.verdict), ("none", Verdict::NothingMissing));
+    assert!(within.tolerances().iter().any(|one| one.parameter == P::MeteringRatio && one.value.abs() > 0.02));
+    assert_eq!(accepted(&case(&[edges(0.15)]).diagnose()), "metering-asymmetry");
 }
 
 #[test]

@@ -52,6 +52,22 @@ fn a_scale_that_a_refit_absorbs_is_told_and_so_are_the_values_that_absorb_it() {
     assert!(fitted.contains("which no oil has") && fitted.contains("the unit of position"), "{fitted}");
 }
 
+/// Taken as it is, the recording is judged all the same, and every form of the answer says what is wrong with it.
+#[test]
+fn what_is_taken_as_recorded_says_what_is_wrong_on_the_screen_on_the_page_and_in_the_json() {
+    let folder = folder_with("position", |value| -value);
+    let wrong = "position seems to run the other way";
+    let diagnosed = ["diagnose", ".", "--as-recorded", "--json", "d.json", "--report", "d.html"];
+    assert!(done(folder.path(), &diagnosed).contains(wrong));
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(read("d.html").contains(wrong));
+    let json: serde_json::Value = serde_json::from_str(&read("d.json")).unwrap();
+    assert_eq!(json["plausibility"][0]["certain"], true);
+    assert_eq!(json["plausibility"][0]["changes"][0]["kind"], "reversed");
+    let compared = done(folder.path(), &["compare", "--machine", "machine.toml", "--recording", "train-1.csv"]);
+    assert!(compared.contains(wrong) && compared.contains("mend this first"), "{compared}");
+}
+
 #[test]
 fn a_drive_that_lacks_physics_is_not_refused() {
     let folder = folder_with("position", |value| value);
