@@ -76,7 +76,7 @@ pub enum UnitDoubt {
         signal: Signal,
         /// Its unit in the recording.
         unit: Unit,
-        /// Its largest value, in that unit.
+        /// Its largest value, in that unit; of a position that goes below zero, its least.
         high: f64,
         /// What it passes.
         bound: Bound,

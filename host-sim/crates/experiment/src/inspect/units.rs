@@ -41,8 +41,13 @@ pub fn unit_doubts(recording: &Recording, machine: &Machine<f64>) -> Vec<UnitDou
 
 fn position_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<UnitDoubt> {
     let column = recording.column(Signal::Position)?;
-    let most = MOST_STROKES * machine.get(Parameter::Stroke);
-    let high = extent(&column.values).1;
+    let stroke = machine.get(Parameter::Stroke);
+    let most = MOST_STROKES * stroke;
+    let (low, high) = extent(&column.values);
+    if low < stroke - most && high <= most {
+        let (unit, bound) = (column.unit, Bound::Stroke);
+        return Some(UnitDoubt::Beyond { signal: column.signal, unit, high: unit.from_si(low), bound, fitting: None });
+    }
     (high > most).then(|| beyond(column, Bound::Stroke, (0.01 * most, most)))
 }
 
@@ -154,6 +159,7 @@ mod tests {
             (0, "time [ms]", 1.0, None, Some("s")),
             (2, "position [m]", 1e3, Some(Bound::Stroke), Some("mm")),
             (2, "position [mm]", 1.0, None, Some("ms")),
+            (2, "position [mm]", -1e3, Some(Bound::Stroke), None),
             (3, "pressure_a [Pa]", 1e-5, Some(Bound::FarBelowSupply), Some("bar")),
             (3, "pressure_a [bar]", 1.0, Some(Bound::FarAboveSupply), Some("Pa")),
             (3, "pressure_a [bar]", 1.0 / 6894.757, Some(Bound::FarAboveSupply), Some("psi")),

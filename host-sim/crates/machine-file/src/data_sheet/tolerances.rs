@@ -9,6 +9,8 @@
 //! a sensor at the spool, catalogues (3 to 5 %, with dither less); hoses, SAE J517 hoses of 0.2 to 0.6 GPa; air, 0.1 to 0.5 % of free air in a filled system and up to
 //! 1 %.
 
+use recording::display_unit::significant;
+
 use super::derive::Sigma;
 
 /// The size of a drive.
@@ -51,6 +53,8 @@ impl Size {
         } else {
             (0.012, "a spool with a sensor of its own: about 1 %")
         };
+        let full = format!("at {} l/min, full speed without load", significant(6e4 * flow_m3_per_s, 2));
+        let (gives_way, returns) = (format!("a pump gives way by 3 % {full}"), format!("4 bar {full}"));
         let mut all = vec![
             ("effects.entrained-air.share", 0.01, "oil in service holds 0.1 to 1 % of free air"),
             (
@@ -60,7 +64,7 @@ impl Size {
             ),
             ("effects.stribeck-friction.force_n", SEALS * force_n, "good seals: up to 4 % of full force"),
             ("effects.stribeck-friction.excess_n", BREAK_AWAY * force_n, "and up to 2.5 % more to break away"),
-            ("effects.position-sensor-lag.time_constant_s", 4e-3, "a position sensor's filter: 1 to 3 ms"),
+            ("effects.position-sensor-lag.time_constant_s", 4e-3, "a position sensor's filter: up to 4 ms"),
             (
                 "effects.sensor-offset.pressure_a_pa",
                 PRESSURE_OFFSET * supply_pa,
@@ -69,28 +73,16 @@ impl Size {
             ("effects.sensor-offset.pressure_b_pa", PRESSURE_OFFSET * supply_pa, "the same"),
         ];
         if self.pump {
-            all.push((
-                "effects.tank-back-pressure.resistance_pa_s2_per_m6",
-                4e5 / flow_m3_per_s.powi(2),
-                "4 bar at full flow",
-            ));
+            all.push(("effects.tank-back-pressure.resistance_pa_s2_per_m6", 4e5 / flow_m3_per_s.powi(2), &returns));
         } else {
             all.extend([
                 ("effects.valve-hysteresis.width", hysteresis * rated, hysteresis_why),
                 ("effects.dead-zone-asymmetry.difference", 0.03 * rated, "overlaps alike within 3 % of travel"),
-                ("effects.metering-asymmetry.ratio", EDGES, "edges alike within 5 %, and areas"),
+                ("effects.metering-asymmetry.ratio", EDGES, "edges alike within 5 %, and areas: 8 % together"),
                 ("effects.metering-asymmetry.ports", EDGES, "the same"),
                 ("effects.metering-asymmetry.directions", EDGES, "the same"),
-                (
-                    "effects.supply-droop.resistance_pa_s_per_m3",
-                    0.03 * supply_pa / flow_m3_per_s,
-                    "a pump gives way by a few per cent at full flow",
-                ),
-                (
-                    "effects.tank-back-pressure.resistance_pa_s2_per_m6",
-                    4e5 / flow_m3_per_s.powi(2),
-                    "4 bar at full flow",
-                ),
+                ("effects.supply-droop.resistance_pa_s_per_m3", 0.03 * supply_pa / flow_m3_per_s, &gives_way),
+                ("effects.tank-back-pressure.resistance_pa_s2_per_m6", 4e5 / flow_m3_per_s.powi(2), &returns),
                 ("effects.sensor-offset.spool", 5e-3 * rated, "0.3 % of full scale, and the neutral"),
             ]);
             if self.overlap < ZERO_LAP {

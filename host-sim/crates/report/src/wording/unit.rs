@@ -40,7 +40,8 @@ pub fn unit_doubt(doubt: &UnitDoubt) -> String {
                 Bound::FarBelowSupply => "less than a hundredth of the supply pressure of the machine file",
             };
             let instead = fitting.map_or_else(String::new, |unit| format!(" {} would be possible", shown(unit)));
-            format!("{signal} reaches {}, {passed}: is its unit right?{instead}", shown(*unit))
+            let asked = if *bound == Bound::Stroke { "are its unit and its zero" } else { "is its unit" };
+            format!("{signal} reaches {}, {passed}: {asked} right?{instead}", shown(*unit))
         }
         UnitDoubt::Speed { share, fitting } => {
             let instead = fitting.map_or_else(String::new, |(unit, share)| {
