@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use diagnosis::agreement::{far_values, has_sensor, not_tolerated, tolerated};
 use diagnosis::localisation::{Miss, misses};
-use diagnosis::{DiagnoseError, base_parameters};
+use diagnosis::{DiagnoseError, base_parameters, read_absolute};
 use identification::compare::judged;
 use identification::experiment::{Prepared, share_range_ends};
 use identification::fit::residuals::counts_from;
@@ -13,7 +13,7 @@ use identification::fit::{
     most_evaluations, softened_all, with_channel_tolerances,
 };
 use model_core::machine::Machine;
-use recording::{ChannelMap, Recording, Signal};
+use recording::{ChannelMap, PressureZero, Recording, Signal};
 use report::{terminal, wording};
 
 use super::console::Console;
@@ -60,8 +60,13 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let channels = file.channels.clone().overlaid_with(&maps);
     let failed = |cause: DiagnoseError| CliError::Diagnose { machine: arguments.machine.clone(), cause };
     let read = input::recordings(&arguments.train, &channels, console)?.into_iter();
-    let recordings: Vec<Recording> =
+    let mut recordings: Vec<Recording> =
         read.map(|recording| input::judged(recording, &file, &arguments.judge)).collect::<Result<_, _>>()?;
+    let tick = arguments.tick.map(Into::into);
+    if read_absolute(&file, &recordings, tick).map_err(failed)? {
+        recordings.iter_mut().for_each(Recording::take_as_absolute);
+        file.channels.pressure = PressureZero::Absolute;
+    }
     for note in recordings.iter().flat_map(|recording| input::notes(recording, &file.machine)) {
         console.note(note);
     }
@@ -70,7 +75,6 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     }
     let mut prepared: Vec<Prepared> = Vec::new();
     for recording in &recordings {
-        let tick = arguments.tick.map(Into::into);
         let case = Prepared::new(recording, &file.machine, file.load_source, tick);
         prepared.push(case.map_err(|cause| failed(cause.into()))?);
     }

@@ -6,21 +6,28 @@ use tempfile::TempDir;
 
 use super::{done, example, refused};
 
-/// A folder with the example's machine file and its first training recording, one column of it changed.
-fn folder_with(column: &str, change: impl Fn(f64) -> f64) -> TempDir {
+/// A folder with the example's machine file and its first training recording, the columns of one name changed.
+fn folder_with(name: &str, change: impl Fn(f64) -> f64) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy(example("machine.toml"), folder.path().join("machine.toml")).unwrap();
     let text = std::fs::read_to_string(example("train-1.csv")).unwrap();
+    std::fs::write(folder.path().join("train-1.csv"), changed(&text, name, change)).unwrap();
+    folder
+}
+
+/// A recording with the columns of one name changed.
+fn changed(text: &str, name: &str, change: impl Fn(f64) -> f64) -> String {
     let (header, rows) = text.split_once('\n').unwrap();
-    let at = header.split(',').position(|name| name.starts_with(column)).unwrap();
+    let is_changed: Vec<bool> = header.split(',').map(|column| column.starts_with(name)).collect();
+    assert!(is_changed.contains(&true), "{header}");
     let changed = |row: &str| {
-        let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
-        cells[at] = change(cells[at].parse().unwrap()).to_string();
-        cells.join(",")
+        let cell = |(cell, is_changed): (&str, &bool)| {
+            if *is_changed { change(cell.parse().unwrap()).to_string() } else { cell.to_owned() }
+        };
+        row.split(',').zip(&is_changed).map(cell).collect::<Vec<_>>().join(",")
     };
     let rows: Vec<String> = rows.lines().map(changed).collect();
-    std::fs::write(folder.path().join("train-1.csv"), format!("{header}\n{}\n", rows.join("\n"))).unwrap();
-    folder
+    format!("{header}\n{}\n", rows.join("\n"))
 }
 
 const FIT: [&str; 7] = ["fit", "--machine", "machine.toml", "--train", "train-1.csv", "--save-machine", "fitted.toml"];
@@ -66,6 +73,22 @@ fn what_is_taken_as_recorded_says_what_is_wrong_on_the_screen_on_the_page_and_in
     assert_eq!(json["plausibility"][0]["changes"][0]["kind"], "reversed");
     let compared = done(folder.path(), &["compare", "--machine", "machine.toml", "--recording", "train-1.csv"]);
     assert!(compared.contains(wrong) && compared.contains("mend this first"), "{compared}");
+}
+
+/// What the machine file's own model answers, read by absolute sensors.
+#[test]
+fn a_fit_takes_pressures_of_absolute_sensors_as_absolute_and_saves_that() {
+    let folder = folder_with("time", |value| value);
+    done(
+        folder.path(),
+        &["simulate", "--machine", "machine.toml", "--recording", "train-1.csv", "--out", "answer.csv"],
+    );
+    let answer = std::fs::read_to_string(folder.path().join("answer.csv")).unwrap();
+    std::fs::write(folder.path().join("train-1.csv"), changed(&answer, "pressure", |value| value + 101_325.0)).unwrap();
+    let output = super::run(folder.path(), &FIT);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("taken as absolute"), "{output:?}");
+    let saved = std::fs::read_to_string(folder.path().join("fitted.toml")).unwrap();
+    assert!(saved.contains("pressure = \"absolute\""), "{saved}");
 }
 
 #[test]

@@ -37,14 +37,15 @@ pub(crate) fn done(folder: &Path, arguments: &[&str]) -> String {
     text(&output.stdout)
 }
 
-/// Runs a command that must fail; returns its message, and checks that the folder is unchanged.
+/// Runs a command that must fail; returns its message, behind notes if there are any, and checks that the folder is unchanged.
 pub(crate) fn refused(folder: &Path, arguments: &[&str]) -> String {
     let before = listing(folder);
     let output = run(folder, arguments);
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
     assert_eq!(text(&output.stdout), "", "{arguments:?}");
-    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
+    let first = message.lines().find(|line| !line.starts_with("note: "));
+    assert!(first.is_some_and(|line| line.starts_with("error: ")) && !message.contains("panicked"), "{message}");
     assert_eq!(listing(folder), before, "{arguments:?}");
     message
 }
