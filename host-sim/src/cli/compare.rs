@@ -77,15 +77,13 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     {
         console.print(format_args!("note: {note}"))?;
     }
-    if !quiet {
-        // They are compared as they are all the same.
-        let doubts = input::doubts(&arguments.machine.machine, &job.file, &job.recordings, true)?;
-        for doubt in &doubts {
-            console.print(format_args!("note: {}", report::wording::doubt(doubt)))?;
-        }
-        if doubts.iter().any(|doubt| doubt.is_certain) {
-            console.print("note: mend this first; what follows is of the recordings as they are")?;
-        }
+    // They are compared as they are all the same.
+    let doubts = input::doubts(&arguments.machine.machine, &job.file, &job.recordings, true)?;
+    for doubt in doubts.iter().filter(|doubt| doubt.is_certain && !quiet) {
+        console.print(format_args!(
+            "note: {}; mend this first: what follows is of the recordings as they are",
+            report::wording::doubt(doubt)
+        ))?;
     }
     for found in comparisons.iter().filter(|_| !quiet) {
         for note in not_judged(found) {

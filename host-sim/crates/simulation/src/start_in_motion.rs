@@ -136,10 +136,9 @@ impl<'a> Beginning<'a> {
         }
     }
 
-    /// A spool that no sensor shows may have to come from one end of its travel to the other, s: 0 for a valve of unlimited speed.
+    /// A spool of limited speed that no sensor shows may have to come from one end of its travel to the other, s.
     fn longest_travel_s(&self) -> f64 {
-        let get = |parameter| self.machine.get(parameter);
-        FULL_REVERSAL / get(Parameter::RateLimit).min(get(Parameter::SpoolSpeedLimit))
+        FULL_REVERSAL / self.machine.get(Parameter::SpoolSpeedLimit)
     }
 
     /// The spool, where it is not at rest where the command would hold it.

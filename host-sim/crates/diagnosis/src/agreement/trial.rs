@@ -104,7 +104,11 @@ impl Trial {
     /// Whether it is worth a note.
     fn is_better(&self, as_recorded: &Self) -> bool {
         let frees = as_recorded.is_impossible() && !self.is_impossible() && self.pulled < FREED * as_recorded.pulled;
-        let fits = self.miss() < BETTER * as_recorded.miss() && self.missed < as_recorded.missed;
+        // Friction that is missing looks a little like other areas; the right ones bring values back.
+        let has_areas = self.changes.iter().any(|change| matches!(change, Change::Cylinder { .. }));
+        let fits = self.miss() < BETTER * as_recorded.miss()
+            && self.missed < as_recorded.missed
+            && (!has_areas || self.pulled < FREED * as_recorded.pulled);
         self.miss() < HOPELESS
             && (fits
                 || ((frees || self.comes_back(as_recorded)) && self.miss() < FOLLOWS)
