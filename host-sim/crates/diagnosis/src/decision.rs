@@ -57,13 +57,20 @@ pub(crate) fn decide(
     }
     let estimates = estimates(question, selection)?;
     let confirmation = (!held.is_empty()).then_some(confirmation);
-    if makes_up(question, chosen, &estimates) {
+    if is_there_anyway(question, chosen) || makes_up(question, chosen, &estimates) {
         return Decision::without(question, selection, vetoed, confirmation);
     }
     let mut findings: Vec<Finding> =
         chosen.effects.iter().map(|chosen| finding(chosen, selection, &estimates, &vetoed)).collect();
     findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     Ok(Decision { findings, not_confirmed: vetoed, confirmation, after: chosen.clone(), estimates })
+}
+
+/// Whether an effect of a candidate model is one that the base model has: volumes that follow the piston. More of it stands in for something else; it takes
+/// part in the search, so that nothing less likely is named in its place.
+fn is_there_anyway(question: &Question<'_>, chosen: &Candidate) -> bool {
+    let follows = question.scene.machine.get(Parameter::VolumeFollows) > 0.0;
+    follows && chosen.effects.iter().any(|chosen| chosen.has(Parameter::VolumeShare))
 }
 
 /// Whether a candidate model still misses more than noise although a base value is one that no such drive has: its effects then make up for something
@@ -90,6 +97,8 @@ mod tests {
     use identification::fit::Free;
 
     use super::*;
+    use crate::catalogue::{CATALOGUE, Scene};
+    use crate::selection::Chosen;
     use crate::selection::search::tests::with_press;
 
     /// A bulk modulus that no oil has counts against a model that misses more than noise, and not against one that follows.
@@ -111,5 +120,24 @@ mod tests {
         assert!(asked(&rubs, 7e7));
         assert!(!asked(&rubs, 1.1e9));
         assert!(!asked(&[], 7e7));
+    }
+
+    /// Volumes that change by the geometry are there in a machine file that says so, and a finding in one that says constant.
+    #[test]
+    fn volumes_that_follow_the_piston_are_no_finding_where_the_machine_file_has_them() {
+        let effect = CATALOGUE.iter().find(|effect| effect.name == "position-dependent-volume").unwrap();
+        let is_there = |follows: f64| {
+            let mut is_there = None;
+            with_press(&[], |question| {
+                let machine = question.scene.machine.with(&[(Parameter::VolumeFollows, follows)]);
+                let scene = Scene { machine: &machine, ..question.scene.clone() };
+                let question = Question { scene: &scene, ..*question };
+                let mut candidate = Candidate::rough(&question, None).unwrap();
+                candidate.effects.push(Chosen { effect, form: effect.forms[0] });
+                is_there = Some(is_there_anyway(&question, &candidate));
+            });
+            is_there.unwrap()
+        };
+        assert!(is_there(1.0) && !is_there(0.0));
     }
 }

@@ -52,8 +52,6 @@ const NOMINAL_OFFSET: f64 = 0.1;
 const NOMINAL_GAIN: f64 = 0.3;
 /// A first-order lag has settled to less than a hundredth after this many of its time constants.
 const SETTLED: f64 = 5.0;
-/// Travel of a spool from full opening to full opening of the other side, 1.
-const FULL_REVERSAL: f64 = 2.0;
 /// No more than this share of a recording is unknown: less would be left of short ones than they show.
 const MOST_UNKNOWN: f64 = 0.25;
 
@@ -100,8 +98,7 @@ impl Motion {
             motion.spool = shown;
             if rod_changes || shown.is_some_and(|spool| !spool.rests) {
                 let longest_s = MOST_UNKNOWN * (beginning.time_s[recording.rows() - 1] - beginning.time_s[0]);
-                let settles_s = beginning.settling_s + if rod_changes { beginning.longest_travel_s() } else { 0.0 };
-                motion.unknown_for_s = settles_s.min(longest_s);
+                motion.unknown_for_s = beginning.settling_s.min(longest_s);
             }
         }
         motion.velocity_m_per_s = beginning.velocity(motion.is_changing);
@@ -134,11 +131,6 @@ impl<'a> Beginning<'a> {
             settles: undisturbed_s >= settling_s,
             first_rows: within(delay_s).max(LEAST_ROWS).min(time_s.len()),
         }
-    }
-
-    /// A spool of limited speed that no sensor shows may have to come from one end of its travel to the other, s.
-    fn longest_travel_s(&self) -> f64 {
-        FULL_REVERSAL / self.machine.get(Parameter::SpoolSpeedLimit)
     }
 
     /// The spool, where it is not at rest where the command would hold it.

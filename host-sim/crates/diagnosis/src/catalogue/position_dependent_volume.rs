@@ -45,9 +45,6 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     extends: None,
     separated_by: "strokes over the whole stroke, or small steps near both ends, both pressures recorded",
     source: "Merritt, Hydraulic Control Systems, 1967, ch. 6",
-    // Without a position it is not known on which side of mid-stroke the rod is; of a drive whose volumes follow the piston it is no finding.
-    shows_in: |scene| {
-        let is_constant = scene.machine.get(Parameter::VolumeFollows) == 0.0;
-        is_constant && scene.input_point != InputPoint::Force && scene.judges(Signal::Position)
-    },
+    // Without a position it is not known on which side of mid-stroke the rod is.
+    shows_in: |scene| scene.input_point != InputPoint::Force && scene.judges(Signal::Position),
 };
