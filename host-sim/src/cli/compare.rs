@@ -78,8 +78,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         console.print(format_args!("note: {note}"))?;
     }
     // They are compared as they are all the same.
-    let doubts = input::doubts(&arguments.machine.machine, &job.file, &job.recordings, true)?;
-    for doubt in doubts.iter().filter(|doubt| doubt.is_certain && !quiet) {
+    let doubts =
+        if quiet { Vec::new() } else { input::doubts(&arguments.machine.machine, &job.file, &job.recordings, true)? };
+    for doubt in doubts.iter().filter(|doubt| doubt.is_certain) {
         console.print(format_args!(
             "note: {}; mend this first: what follows is of the recordings as they are",
             report::wording::doubt(doubt)

@@ -87,12 +87,21 @@ struct Raised {
 }
 
 impl Raised {
+    /// Adds the changes that it does not try yet.
+    fn try_also(&mut self, changes: Vec<Vec<Change>>) {
+        for change in changes {
+            if !self.changes.contains(&change) {
+                self.changes.push(change);
+            }
+        }
+    }
+
     /// Takes in what another recording raises, where a change would remove both; else gives it back.
     fn joined(&mut self, (changes, signals): (Vec<Vec<Change>>, Vec<Signal>), index: usize) -> Result<(), Found> {
         if !changes.iter().any(|change| self.changes.contains(change)) {
             return Err((changes, signals));
         }
-        self.changes.extend(changes.into_iter().filter(|change| !self.changes.contains(change)).collect::<Vec<_>>());
+        self.try_also(changes);
         // Where it shows in all of them, if there is such a signal.
         if self.signals.iter().any(|signal| signals.contains(signal)) {
             self.signals.retain(|signal| signals.contains(signal));
@@ -132,17 +141,15 @@ pub fn doubts(file: &MachineFile, free: &[Free], recordings: &[&Recording]) -> R
     };
     let (changes, signals) = place::changes(&file.machine, recordings);
     match raised.iter_mut().find(|known| known.changes.iter().any(|change| changes.contains(change))) {
-        Some(known) => known
-            .changes
-            .extend(changes.into_iter().filter(|change| !known.changes.contains(change)).collect::<Vec<_>>()),
+        Some(known) => known.try_also(changes),
         None => raised.push(of_all((changes, signals))),
     }
     raised.push(of_all(scale::times(recordings)));
     raised.push(of_all(late::changes(&file.machine, &responses)));
     raised.retain(|raised| !raised.changes.is_empty());
     if raised.is_empty() && free.iter().any(|free| free.tolerance().is_some()) {
-        raised.push(Raised { is_possible: true, ..of_all(cylinder::of_other_size(&file.machine, recordings)) });
-        raised.retain(|raised| !raised.changes.is_empty());
+        let other = of_all(cylinder::of_other_size(&file.machine, recordings));
+        raised.extend((!other.changes.is_empty()).then_some(Raised { is_possible: true, ..other }));
     }
     let mut doubts = Vec::new();
     for raised in raised {

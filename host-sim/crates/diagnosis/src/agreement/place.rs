@@ -5,7 +5,14 @@ use recording::{Recording, Signal};
 use simulation::signal::noise::extent;
 
 use super::change::Change;
-use super::trial::BEYOND_STROKE;
+
+/// A rod may seem to be beyond its stroke by this share of it, as strokes are often given for the load.
+pub(super) const BEYOND_STROKE: f64 = 0.1;
+
+/// How far a position is beyond the stroke, as a share of it; negative within.
+pub(super) fn beyond_stroke(position_m: f64, stroke_m: f64) -> f64 {
+    (-position_m).max(position_m - stroke_m) / stroke_m
+}
 
 /// Changes to try, and the signal that raises the doubt. A zero in the middle of the stroke leaves open how far the rod is out; the middle of what is
 /// possible is taken.
@@ -13,8 +20,8 @@ pub(super) fn changes(machine: &Machine<f64>, recordings: &[&Recording]) -> (Vec
     let positions = recordings.iter().filter_map(|recording| recording.signal(Signal::Position));
     let (low, high) = extent(positions.flatten().copied());
     let stroke_m = machine.get(Parameter::Stroke);
-    let beyond_m = BEYOND_STROKE * stroke_m;
-    let is_within = |low: f64, high: f64| low >= -beyond_m && high <= stroke_m + beyond_m;
+    let is_within =
+        |low: f64, high: f64| beyond_stroke(low, stroke_m).max(beyond_stroke(high, stroke_m)) <= BEYOND_STROKE;
     if !(low <= high && stroke_m.is_finite()) || is_within(low, high) {
         return (Vec::new(), Vec::new());
     }

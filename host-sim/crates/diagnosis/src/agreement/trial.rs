@@ -10,6 +10,7 @@ use model_core::machine::Parameter;
 use recording::{Recording, Signal};
 
 use super::far_value::{FarValue, far_values};
+use super::place::{BEYOND_STROKE, beyond_stroke};
 use super::response::{part, prepared};
 use super::{Change, Doubt, Raised};
 use crate::diagnose::base_parameters;
@@ -40,9 +41,7 @@ const BACK: f64 = 0.1;
 const FURTHER_OFF: f64 = 25.0;
 /// The same where a value is impossible.
 const FREED: f64 = 0.5;
-/// A rod may seem to be beyond its stroke by this share of it, as strokes are often given for the load; what is further out is doubted …
-pub(super) const BEYOND_STROKE: f64 = 0.1;
-/// … and this far out it counts from elsewhere.
+/// A position that is this far beyond the stroke, as a share of it, counts from elsewhere.
 const FAR_BEYOND_STROKE: f64 = 0.3;
 /// Another change does as well as the best one if it misses less than this many times as much.
 const AS_WELL: f64 = 1.5;
@@ -211,7 +210,7 @@ fn trial(
         (misses.iter().sum::<f64>() / misses.len().max(1) as f64).sqrt()
     };
     let stroke_m = machine.get(Parameter::Stroke);
-    let beyond = |position_m: f64| (-position_m).max(position_m - stroke_m) / stroke_m;
+    let beyond = |position_m| beyond_stroke(position_m, stroke_m);
     let positions = cases.iter().flat_map(|case| &case.channels).filter(|channel| channel.signal == Signal::Position);
     Ok(Some(Trial {
         beyond_stroke: positions.flat_map(JudgedSignal::kept).map(beyond).fold(0.0, f64::max),

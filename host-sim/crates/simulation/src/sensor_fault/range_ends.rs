@@ -2,8 +2,8 @@
 //!
 //! A signal may stay at its highest or lowest value for other reasons: a rod rests against its stop, oil does not fall below the tank's
 //! pressure. What gives the end of a range away is that the noise is missing there, although the sensor has some, or, in a sensor without
-//! visible noise, that a pressure or force comes and goes at full slope. A spool's sensor ends at full travel. Some sensors end before their noise is added: just inside the range it lifts
-//! a row or two beyond the end.
+//! visible noise, that a pressure or force comes and goes at full slope. A spool's sensor ends at full travel. Some sensors end before their noise is
+//! added: just inside the range it lifts a row or two beyond the end.
 
 use recording::Signal;
 
