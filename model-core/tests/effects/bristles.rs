@@ -29,7 +29,7 @@ type Law = (&'static str, Vec<(P, f64)>, Level);
 
 /// Share of Stribeck's excess that is left at a multiple of his velocity.
 fn falling(t: f64) -> f64 {
-    (1.0 + (2.0_f64.sqrt() - 1.0) * t * t).powi(-2)
+    (1.0 + (2.0_f64.powf(0.125) - 1.0) * t * t).powi(-8)
 }
 
 /// Each law alone, and some together.

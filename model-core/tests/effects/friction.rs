@@ -84,10 +84,10 @@ fn at_steady_speed_the_friction_is_its_formula() {
         near(steady_m_per_s::<N>(&seals, 2000.0), (2000.0 - 400.0) / 1e4);
         let presliding = [(P::PreslidingForce, 500.0), (P::PreslidingStiffness, 1e8)];
         near(steady_m_per_s::<N>(&presliding, 2000.0), (2000.0 - 500.0) / 1e4);
-        // 1e4·0.15 + 300 + 200/(1 + (√2 − 1)·(0.15/0.1)²)²
+        // 1e4·0.15 + 300 + 200/(1 + (2^⅛ − 1)·(0.15/0.1)²)⁸
         let stribeck = [(P::StribeckForce, 300.0), (P::StribeckExcess, 200.0), (P::StribeckVelocity, 0.1)];
         near(
-            steady_m_per_s::<N>(&stribeck, 1500.0 + 300.0 + 200.0 / (1.0 + (2.0_f64.sqrt() - 1.0) * 2.25).powi(2)),
+            steady_m_per_s::<N>(&stribeck, 1500.0 + 300.0 + 200.0 / (1.0 + (2.0_f64.powf(0.125) - 1.0) * 2.25).powi(8)),
             0.15,
         );
     }

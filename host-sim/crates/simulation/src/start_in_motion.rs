@@ -4,6 +4,8 @@
 //! spool is measured, the rod) that changes its motion while the command keeps its first value, for a settled valve would not move it. And a rod that
 //! rests under a command that would move it, and is moved only later, had its command given with the first row.
 
+use std::ops::Range;
+
 use model_core::machine::{Machine, Parameter, Source};
 use recording::{Recording, Signal};
 
@@ -50,6 +52,8 @@ const LEAST_TRAVEL: f64 = 0.005;
 const NOMINAL_OFFSET: f64 = 0.1;
 /// … and within this share of what the command adds.
 const NOMINAL_GAIN: f64 = 0.3;
+/// A rod at less than this share of the speed that it has later, for as much opening, is not moved by a settled valve: mass and pressures follow sooner.
+const LATE_BELOW: f64 = 0.5;
 /// A first-order lag has settled to less than a hundredth after this many of its time constants.
 const SETTLED: f64 = 5.0;
 /// No more than this share of a recording is unknown: less would be left of short ones than they show.
@@ -177,30 +181,29 @@ impl<'a> Beginning<'a> {
     /// A spool that no sensor shows, where the rod rests under a command that would move it and only then is moved: the command was given with the
     /// first row, or so shortly before that oil has not moved the rod yet. The spool is in its middle, or not far from it.
     fn unseen_spool(&self) -> Option<SpoolAtStart> {
-        let get = |parameter| self.machine.get(parameter);
         let (command, position) = (self.recording.signal(Signal::Command)?, self.recording.signal(Signal::Position)?);
-        let settled = self.time_s.partition_point(|time| time - self.time_s[0] <= self.settling_s);
+        let settled = self.settled_rows();
         if settled < LEAST_ROWS.max(self.first_rows + 1) {
             return None;
         }
-        let opens = NOMINAL_OFFSET + (1.0 + NOMINAL_GAIN) * get(Parameter::DeadZone);
-        let (low, high) = extent(&command[..settled]);
-        let is_open = get(Parameter::ValveGain) * low > opens || get(Parameter::ValveGain) * high < -opens;
         let noise = noise_of(position);
         let first = Line::through(&self.time_s[..self.first_rows], &position[..self.first_rows], noise);
         let (lowest, highest) = extent(&position[..settled]);
         let then_moves = highest - lowest > 2.0 * BEYOND_NOISE * noise;
         let rests = !self.shows(first.clear_slope(), noise);
-        (is_open && rests && then_moves).then_some(SpoolAtStart {
-            reading: get(Parameter::ValveOffset),
+        (self.is_open(&command[..settled]) && rests && then_moves).then_some(SpoolAtStart {
+            reading: self.machine.get(Parameter::ValveOffset),
             slope_per_s: 0.0,
             rests: true,
         })
     }
 
-    /// Whether the rod is not moved as by a settled valve: evenly, or not at all.
+    /// Whether the rod is not moved as by a settled valve: evenly, or not at all, or as fast as later.
     fn rod_changes(&self) -> bool {
         let Some(position) = self.recording.signal(Signal::Position) else { return false };
+        if self.rod_is_late(position) {
+            return true;
+        }
         let noise = noise_of(position);
         let (time_s, position) = (&self.time_s[..self.undisturbed], &position[..self.undisturbed]);
         if position.len() < LEAST_ROWS {
@@ -210,6 +213,38 @@ impl<'a> Beginning<'a> {
         let off = |(time, value): (&f64, &f64)| (value - line.mean - line.slope * (time - line.middle_s)).abs();
         let uneven = time_s.iter().zip(position).map(off).fold(0.0, f64::max) > BEYOND_NOISE * noise;
         uneven || (!self.settles && self.shows(line.clear_slope(), noise))
+    }
+
+    /// Whether the rod begins at less than half of the speed, for as much opening, that it has once a valve has settled under a command that opens the same
+    /// way all the time: the spool is still on its way there, even if the command changes in every row.
+    fn rod_is_late(&self, position: &[f64]) -> bool {
+        let get = |parameter| self.machine.get(parameter);
+        let Some(command) = self.recording.signal(Signal::Command) else { return false };
+        let settled = self.settled_rows();
+        if !self.is_open(&command[..settled]) || settled < 2 * self.first_rows {
+            return false;
+        }
+        let noise = noise_of(position);
+        let per_opening = |rows: Range<usize>| {
+            let volts = command[rows.clone()].iter().sum::<f64>().abs() / rows.len() as f64;
+            let opening = get(Parameter::ValveGain) * volts - get(Parameter::DeadZone);
+            Line::through(&self.time_s[rows.clone()], &position[rows], noise).clear_slope() / opening
+        };
+        let (first, then) = (per_opening(0..self.first_rows), per_opening(settled - self.first_rows..settled));
+        then != 0.0 && first * then.signum() < LATE_BELOW * then.abs()
+    }
+
+    /// The rows within which a valve settles.
+    fn settled_rows(&self) -> usize {
+        self.time_s.partition_point(|time| time - self.time_s[0] <= self.settling_s)
+    }
+
+    /// Whether these commands open the valve, all in one direction.
+    fn is_open(&self, command: &[f64]) -> bool {
+        let gain = self.machine.get(Parameter::ValveGain);
+        let opens = NOMINAL_OFFSET + (1.0 + NOMINAL_GAIN) * self.machine.get(Parameter::DeadZone);
+        let (low, high) = extent(command);
+        gain * low > opens || gain * high < -opens
     }
 
     /// The rod's velocity, m/s; 0 where it is too slow for its sensor to show that a run begins at rest instead.
@@ -406,16 +441,34 @@ mod tests {
         assert!(start(&cut(420, step, &ALL)).spool.is_none(), "it is where the command holds it");
     }
 
+    /// Every so many rows of some signals.
+    fn thinned(recording: &Recording, by: usize, signals: &[Signal]) -> Recording {
+        let thinned = |signal: &Signal| {
+            let values = recording.signal(*signal).unwrap();
+            Column::si(*signal, values.iter().copied().step_by(by).collect())
+        };
+        Recording::new("slow", signals.iter().map(thinned).collect()).unwrap()
+    }
+
+    /// A row in 5 ms under a command that changes in every row: too few rows are undisturbed to show a motion by themselves.
+    #[test]
+    fn a_rod_that_is_not_yet_as_fast_as_its_command_makes_it_began_shortly_before_the_recording() {
+        let ramp = |row: u32| if row < 100 { 0.0 } else { 8.0 - 0.005 * f64::from(row - 100) };
+        for sensors in [&ALL[1..], &ALL[3..]] {
+            let signals = [&[Signal::Time, Signal::Command], sensors].concat();
+            let unknown_for_s = |from| start(&thinned(&cut(from, ramp, sensors), 5, &signals)).unknown_for_s;
+            for from in [110, 150, 160] {
+                assert!(unknown_for_s(from) > 0.2, "{from}: {sensors:?}");
+            }
+            assert_eq!(unknown_for_s(500), 0.0, "{sensors:?}");
+        }
+    }
+
     /// A row in 20 ms: the command has changed before the second row can show what it did before.
     #[test]
     fn a_slow_recording_of_a_moving_spool_starts_from_it_and_one_from_rest_does_not() {
         let slow = |recording: &Recording| {
-            let thinned = |signal: &Signal| {
-                let values = recording.signal(*signal).unwrap();
-                Column::si(*signal, values.iter().copied().step_by(20).collect())
-            };
-            let signals = [Signal::Time, Signal::Command, Signal::Spool, Signal::Position];
-            Recording::new("slow", signals.iter().map(thinned).collect()).unwrap()
+            thinned(recording, 20, &[Signal::Time, Signal::Command, Signal::Spool, Signal::Position])
         };
         for from in [400, 457] {
             let spool = start(&slow(&cut(from, wave, &ALL))).spool;

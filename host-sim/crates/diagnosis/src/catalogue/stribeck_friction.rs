@@ -2,7 +2,7 @@
 //!
 //! ## What it adds
 //! Dry friction with a higher force to break away; half of the excess is gone at the Stribeck velocity vs, since the seal's
-//! lubricating film has to form first. F falls from Fc + Fe at rest to Fc at speed (a seventh of Fe is left at twice
+//! lubricating film has to form first. F falls from Fc + Fe at rest to Fc at speed (a twelfth of Fe is left at twice
 //! vs); at rest any force up to Fc + Fe is held. It includes Coulomb friction.
 //!
 //! ## How it shows
@@ -40,7 +40,7 @@ const VELOCITY: EffectParameter =
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "stribeck-friction",
     subsystem: Subsystem::Mechanics,
-    equation: "F = −(Fc + Fe/(1 + 0.414·(v/vs)²)²)·sgn v; at rest |F| ≤ Fc + Fe",
+    equation: "F = −(Fc + Fe/(1 + 0.0905·(v/vs)²)⁸)·sgn v; at rest |F| ≤ Fc + Fe",
     forms: &[&[FORCE, EXCESS, VELOCITY], &[FORCE, EXCESS, VELOCITY, LUGRE]],
     look_alikes: &[
         LookAlike {

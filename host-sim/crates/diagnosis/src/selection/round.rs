@@ -5,7 +5,7 @@ use identification::parallel;
 use identification::fit::FitError;
 
 use super::candidate::{Candidate, Chosen, Question};
-use super::decision_rule::{LEFT_BY_EQUATIONS, LIKELIER_BY, LIKELIER_THAN_NONE, RIVAL_WITHIN, RIVAL_WITHIN_SHARE};
+use super::decision_rule::{LEFT_BY_EQUATIONS, LIKELIER_BY, LIKELIER_THAN_NONE, RIVAL_WITHIN, RIVAL_WITHIN_SHARE, UNEARNED_BEHIND};
 use super::likelihood::{accepts, is_earned, misfit_above_noise, prefer_plain, prefer_sensor, ranked};
 use super::outcome::Trial;
 use super::search::{is_hopeful, least_above};
@@ -17,7 +17,8 @@ const FINISHED: usize = 4;
 pub(super) const BEAM: usize = 2;
 
 /// Whether it is likelier than no effect by more than chance, and no other candidate model of a round is likelier than this one by more than that. This
-/// one counts with its gain in that round or its gain `now`, whichever is larger.
+/// one counts with its gain in that round or its gain `now`, whichever is larger. An extension and its plainer effect count as the same, unless the plainer
+/// one, which was not accepted, is far likelier: then the extension stands in for something else.
 pub(crate) fn is_likeliest(candidate: &Candidate, now: Option<f64>, round: &[Trial]) -> bool {
     let plainest = |effects: &mut dyn Iterator<Item = &'static Hypothesis>| {
         let mut names: Vec<&str> = effects.map(Hypothesis::plainest).collect();
@@ -28,9 +29,15 @@ pub(crate) fn is_likeliest(candidate: &Candidate, now: Option<f64>, round: &[Tri
     let (same, others): (Vec<&Trial>, Vec<&Trial>) =
         round.iter().partition(|trial| plainest(&mut trial.effects.iter().copied()) == of_candidate);
     let nets = |trials: Vec<&Trial>| trials.into_iter().map(|trial| trial.net).fold(f64::NEG_INFINITY, f64::max);
+    let (itself, alike): (Vec<&Trial>, Vec<&Trial>) = same.iter().copied().partition(|trial| trial.is_of(candidate));
+    let is_plainer = |trial: &&Trial| trial.effects.iter().all(|own| own.extends.is_none() || candidate.has(own));
+    let itself = now.into_iter().fold(nets(itself), f64::max);
+    let plainer = nets(alike.into_iter().filter(is_plainer).collect());
     let own = now.into_iter().fold(nets(same), f64::max);
     // What gains by left-out recordings alone may only spoil the model without it.
-    own > LIKELIER_THAN_NONE && own > nets(others) - LIKELIER_BY
+    own > LIKELIER_THAN_NONE
+        && own > nets(others) - LIKELIER_BY
+        && itself >= plainer - (LIKELIER_BY + UNEARNED_BEHIND)
 }
 
 /// Enters a candidate model into the round of its size, unless a better fit of the same effects is already there.

@@ -90,6 +90,21 @@ fn a_set_enters_its_round_unless_a_better_fit_of_its_effects_is_there() {
     });
 }
 
+/// The plainer effect that was not accepted may still be the true one: what extends it and is far less likely is not taken in its place.
+#[test]
+fn an_extension_is_not_likely_beside_a_plainer_effect_that_is_far_likelier() {
+    with_press(&[(P::CoulombFriction, 300.0)], |question| {
+        let base = Candidate::rough(question, None).unwrap();
+        let [plain, extension] =
+            ["coulomb-friction", "position-dependent-friction"].map(|name| added(question, &base, name, None));
+        let is_likely = |of: &Candidate, plain_net: f64, extension_net: f64| {
+            is_likeliest(of, None, &[trial(&plain, plain_net), trial(&extension, extension_net)])
+        };
+        assert!(is_likely(&extension, 54.0, 50.0) && !is_likely(&extension, 58.0, 50.0));
+        assert!(is_likely(&plain, 50.0, 58.0), "the extension counts as the same effect");
+    });
+}
+
 /// Candidate models of one effect each that lack a nonlinear flow gain, where the flow coefficient and the mass are free.
 fn beside_a_curved_gain(effects: [&str; 2], seen: impl FnOnce(&Question<'_>, &Candidate, Vec<(Candidate, f64)>)) {
     with_press(&[(P::FlowGainLinear, 0.8), (P::CoulombFriction, 300.0)], |question| {
