@@ -120,7 +120,21 @@ fn keep(folder: &Path, hall: &Hall, made: &[SyntheticRecording]) {
     }
 }
 
+/// Where `HALL_RESUME` names a folder, what was said of a case before is read there, and what is said of another is written there: one folder for one
+/// program.
 fn said(matter: Matter, number: u64) -> Said {
+    let Some(folder) = std::env::var_os("HALL_RESUME") else { return said_now(matter, number) };
+    let path = Path::new(&folder).join(format!("{}-{number}.json", matter.name()));
+    if let Ok(before) = std::fs::read_to_string(&path) {
+        return Said::read(&before, &format!("{}-{number}", matter.name()), matter.what(), matter.right());
+    }
+    let said = said_now(matter, number);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(path, said.written()).unwrap();
+    said
+}
+
+fn said_now(matter: Matter, number: u64) -> Said {
     let (hall, made) = drawn(matter, number);
     let begun = Instant::now();
     let mut training = named(&made);
@@ -242,7 +256,7 @@ fn of_these_drives_nothing_is_said_to_be_missing_that_is_not() {
 }
 
 /// Slow: `cargo test --release -p system-tests --test diagnosis of_drives_in_a_hall -- --ignored --nocapture`; a part of it, with each case written
-/// into a folder: `HALL="push 0 3" HALL_KEEP=folder` before that.
+/// into a folder: `HALL="push 0 3" HALL_KEEP=folder` before that. In pieces: `HALL_RESUME=folder` before each.
 #[test]
 #[ignore = "some hours"]
 fn of_drives_in_a_hall_at_most_two_in_a_hundred_are_said_to_lack_what_they_do_not() {

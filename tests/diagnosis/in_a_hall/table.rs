@@ -3,6 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use serde_json::{Value, json};
+
+use diagnosis::catalogue::CATALOGUE;
 use diagnosis::{Diagnosis, Verdict};
 
 /// What was said of a drive.
@@ -22,6 +25,26 @@ impl Said {
     pub(super) fn of(case: String, what: &'static str, right: &'static [&'static str], diagnosis: &Diagnosis) -> Self {
         let claims = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
         Self { case, what, right, claims, verdict: diagnosis.verdict, worst: worst(diagnosis) }
+    }
+
+    /// What [`Said::read`] reads.
+    pub(super) fn written(&self) -> String {
+        json!({ "claims": self.claims, "verdict": format!("{:?}", self.verdict), "worst": self.worst }).to_string()
+    }
+
+    /// What was written of a case.
+    pub(super) fn read(text: &str, case: &str, what: &'static str, right: &'static [&'static str]) -> Self {
+        let said: Value = serde_json::from_str(text).unwrap_or_else(|error| panic!("{case}: {error}"));
+        let name = |claim: &Value| CATALOGUE.iter().map(|effect| effect.name).find(|name| *claim == **name);
+        let is_it = |verdict: &Verdict| said["verdict"] == format!("{verdict:?}");
+        let verdicts = [Verdict::NothingMissing, Verdict::Unexplained, Verdict::MissingPhysics];
+        let claims: Option<Vec<&str>> = said["claims"].as_array().and_then(|all| all.iter().map(name).collect());
+        let Some((claims, verdict)) = claims.zip(verdicts.into_iter().find(is_it)) else {
+            panic!("{case}: found {text}")
+        };
+        // What is not finite is written as null.
+        let worst = said["worst"].as_f64().unwrap_or(f64::INFINITY);
+        Self { case: case.to_owned(), what, right, claims, verdict, worst }
     }
 
     /// What is claimed and not true.

@@ -5,7 +5,9 @@ use identification::parallel;
 use identification::fit::FitError;
 
 use super::candidate::{Candidate, Chosen, Question};
-use super::decision_rule::{LEFT_BY_EQUATIONS, LIKELIER_BY, LIKELIER_THAN_NONE, RIVAL_WITHIN, RIVAL_WITHIN_SHARE, UNEARNED_BEHIND};
+use super::decision_rule::{
+    LEFT_BY_EQUATIONS, LIKELIER_BY, LIKELIER_THAN_NONE, RIVAL_WITHIN, RIVAL_WITHIN_SHARE, UNEARNED_BEHIND,
+};
 use super::likelihood::{accepts, is_earned, misfit_above_noise, prefer_plain, prefer_sensor, ranked};
 use super::outcome::Trial;
 use super::search::{is_hopeful, least_above};
@@ -35,9 +37,7 @@ pub(crate) fn is_likeliest(candidate: &Candidate, now: Option<f64>, round: &[Tri
     let plainer = nets(alike.into_iter().filter(is_plainer).collect());
     let own = now.into_iter().fold(nets(same), f64::max);
     // What gains by left-out recordings alone may only spoil the model without it.
-    own > LIKELIER_THAN_NONE
-        && own > nets(others) - LIKELIER_BY
-        && itself >= plainer - (LIKELIER_BY + UNEARNED_BEHIND)
+    own > LIKELIER_THAN_NONE && own > nets(others) - LIKELIER_BY && itself >= plainer - (LIKELIER_BY + UNEARNED_BEHIND)
 }
 
 /// Enters a candidate model into the round of its size, unless a better fit of the same effects is already there.
