@@ -41,6 +41,7 @@ fn scene(file: &MachineFile) -> Scene<'_> {
         travel_m: (0.05, 0.25),
         duration_s: 10.0,
         lowest_pa: -1e6,
+        held: &[],
     }
 }
 

@@ -55,6 +55,7 @@ impl Case {
             travel_m: (0.05, 0.25),
             duration_s: 3.0,
             lowest_pa: f64::INFINITY,
+            held: &[],
         }
     }
 }

@@ -63,6 +63,7 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
             travel_m: (0.05, 0.25),
             duration_s: 4.0,
             lowest_pa: -1e6,
+            held: &[],
         };
         for effect in CATALOGUE {
             for form in effect.every_form() {

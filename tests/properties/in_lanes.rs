@@ -95,6 +95,7 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
         travel_m: (0.05, 0.25),
         duration_s: 2.0,
         lowest_pa: -1e6,
+        held: &[],
     };
     let strong = |effect_parameter: &EffectParameter| {
         let (low, high) = effect_parameter.range(&scene);

@@ -3,9 +3,10 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use diagnosis::{Diagnosis, Verdict, diagnose, read_absolute, steps};
+use diagnosis::{Diagnosis, Verdict, diagnose, diagnose_since, read_absolute, steps};
 use identification::compare::judged;
 use machine_file::MachineFile;
+use model_core::machine::Tick;
 use recording::{ChannelMap, Column, Format, PressureZero, Recording, Signal};
 use report::evidence::Exhibits;
 use report::{html, json, terminal};
@@ -20,20 +21,26 @@ use super::{Outcome, input};
 #[derive(Clone, Debug, clap::Args)]
 #[command(override_usage = "\
 host-sim diagnose [OPTIONS] <FOLDER>
-       host-sim diagnose [OPTIONS] --machine <M.toml> --train <R.csv>... [--holdout <R.csv>...]")]
+       host-sim diagnose [OPTIONS] --machine <M.toml> --train <R.csv>... [--holdout <R.csv>...]
+       host-sim diagnose [OPTIONS] --since <THEN.toml> --train <R.csv>... [--holdout <R.csv>...]")]
 #[command(after_help = "Examples:
   host-sim diagnose examples/press-63-40
   host-sim diagnose --machine M.toml --train a.csv b.csv c.csv --holdout d.csv --json D.json --save-machine F.toml --report D.html
+  host-sim diagnose --since F.toml --train a-year-later.csv another.csv --holdout third.csv
 
 Training recordings make the choice, each left out in turn; the held-out ones are opened once, after it, to confirm or veto.
 The report of a FOLDER goes to diagnosis-<name>.html in the working folder unless --report says otherwise.")]
 pub struct Arguments {
     /// Folder with machine.toml, train-* and holdout-* (.csv, .txt, .mat, .mf4, .parquet)
-    #[arg(value_name = "FOLDER", required_unless_present = "machine", conflicts_with_all = ["machine", "train", "holdout"])]
+    #[arg(value_name = "FOLDER", required_unless_present_any = ["machine", "since"], conflicts_with_all = ["machine", "train", "holdout"])]
     folder: Option<PathBuf>,
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml", requires = "train")]
     machine: Option<PathBuf>,
+    /// What has changed since this machine file was written: it stands in the place of --machine or of the folder's own, and the effects that it holds
+    /// may have become more or less. Or since these recordings were made, which are diagnosed first
+    #[arg(long, value_name = "THEN", num_args = 1..)]
+    since: Vec<PathBuf>,
     /// Recordings to train on (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
     #[arg(long, value_name = "R.csv", num_args = 1..)]
     train: Vec<PathBuf>,
@@ -73,6 +80,8 @@ pub struct Arguments {
 struct Job {
     machine: PathBuf,
     file: MachineFile,
+    /// Recordings of then.
+    then: Vec<Recording>,
     training: Vec<Recording>,
     held_out: Vec<Recording>,
     report: Option<PathBuf>,
@@ -87,7 +96,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     bar.finish_and_clear();
     let absolute = absolute.map_err(|cause| failed(&job.machine, cause))?;
     if absolute {
-        job.training.iter_mut().chain(&mut job.held_out).for_each(Recording::take_as_absolute);
+        let recordings = job.then.iter_mut().chain(&mut job.training).chain(&mut job.held_out);
+        recordings.for_each(Recording::take_as_absolute);
     }
     for note in
         job.training.iter().chain(&job.held_out).flat_map(|recording| input::notes(recording, &job.file.machine))
@@ -105,9 +115,11 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         input::doubts(&job.machine, &job.file, job.training.iter().chain(&job.held_out), arguments.as_recorded);
     bar.finish_and_clear();
     let doubts = doubts?;
+    let file = of_then(&mut job, tick, console)?;
     let steps = usize::try_from(steps(&job.file)).unwrap_or(usize::MAX);
     let bar = console.progress(steps, "diagnosing");
-    let diagnosis = diagnose(&job.file, &job.training, &job.held_out, tick, &|_| bar.inc(1));
+    let diagnosed = if arguments.since.is_empty() { diagnose } else { diagnose_since };
+    let diagnosis = diagnosed(&job.file, &job.training, &job.held_out, tick, &|_| bar.inc(1));
     bar.finish_and_clear();
     let diagnosis = Diagnosis { doubts, ..diagnosis.map_err(|cause| failed(&job.machine, cause))? };
     console.detail(terminal::sentence(&diagnosis));
@@ -120,7 +132,11 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         write(path, format!("{:#}\n", json::document(&diagnosis, &exhibits)))?;
     }
     if let Some(path) = &arguments.save_machine {
-        saved(&job.file, &diagnosis, absolute).save(path)?;
+        let mut after = diagnosis.machine_file(&file);
+        if absolute {
+            after.channels.pressure = PressureZero::Absolute;
+        }
+        after.save(path)?;
     }
     if let Some(path) = &job.report {
         write(path, html::page(&diagnosis, &exhibits))?;
@@ -139,6 +155,21 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(if arguments.exit_code && missing { Outcome::OutOfTolerance } else { Outcome::Done })
 }
 
+/// The machine file as a later diagnosis is to save it, with what recordings of then tell: what was found in them, and in the job what they know better.
+fn of_then(job: &mut Job, tick: Option<Tick>, console: &Console<'_>) -> Result<MachineFile, CliError> {
+    if job.then.is_empty() {
+        return Ok(job.file.clone());
+    }
+    let bar = console.progress(usize::try_from(steps(&job.file)).unwrap_or(usize::MAX), "diagnosing then");
+    let then = diagnose(&job.file, &job.then, &[], tick, &|_| bar.inc(1));
+    bar.finish_and_clear();
+    let then = then.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause })?;
+    console.note(format_args!("then: {}", terminal::sentence(&then)));
+    let file = then.machine_file(&job.file);
+    job.file = then.as_known_later(&job.file);
+    Ok(file)
+}
+
 const fn tone(verdict: Verdict) -> Tone {
     match verdict {
         Verdict::NothingMissing => Tone::Good,
@@ -149,8 +180,9 @@ const fn tone(verdict: Verdict) -> Tone {
 
 fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
-    let (machine, train, holdout, report) = match (&arguments.folder, &arguments.machine) {
-        (Some(folder), _) => {
+    let (then, recordings_of_then) = then(arguments)?;
+    let (machine, train, holdout, report) = match (&arguments.folder, then.or(arguments.machine.as_ref())) {
+        (Some(folder), machine) => {
             let name =
                 folder.file_name().map_or_else(|| "drive".to_owned(), |name| name.to_string_lossy().into_owned());
             let report = arguments.report.clone().unwrap_or_else(|| PathBuf::from(format!("diagnosis-{name}.html")));
@@ -158,15 +190,19 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
             if train.is_empty() {
                 return Err(CliError::NothingToTrain { folder: folder.clone() });
             }
-            (folder.join("machine.toml"), train, listed(folder, "holdout-")?, Some(report))
+            let machine = machine.cloned().unwrap_or_else(|| folder.join("machine.toml"));
+            (machine, train, listed(folder, "holdout-")?, Some(report))
         }
         (None, Some(machine)) => {
             (machine.clone(), arguments.train.clone(), arguments.holdout.clone(), arguments.report.clone())
         }
+        (None, None) if !arguments.since.is_empty() => {
+            return Err(CliError::Since { found: "found recordings and no machine file" });
+        }
         (None, None) => return Err(CliError::NothingToTrain { folder: PathBuf::from(".") }),
     };
     // A refined machine file may replace the one that it was made from; no other result may replace an input.
-    let recordings = [train.as_slice(), &holdout].concat();
+    let recordings = [train.as_slice(), &holdout, recordings_of_then].concat();
     let saved = ("--save-machine", arguments.save_machine.as_deref(), MACHINE);
     check_targets(&[saved], &recordings)?;
     let others = [
@@ -181,17 +217,32 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     let read = input::recordings(&recordings, &channels, console)?;
     let judged = read.into_iter().map(|recording| input::judged(recording, &file, &arguments.judge));
     let mut training = judged.collect::<Result<Vec<_>, _>>()?;
-    let held_out = training.split_off(train.len());
-    check_distinct(&training, &held_out)?;
-    Ok(Job { machine, file, training, held_out, report })
+    let mut held_out = training.split_off(train.len());
+    let then = held_out.split_off(holdout.len());
+    check_distinct(&training, &held_out, &then)?;
+    Ok(Job { machine, file, then, training, held_out, report })
+}
+
+/// The machine file of then, or the recordings of then.
+fn then(arguments: &Arguments) -> Result<(Option<&PathBuf>, &[PathBuf]), CliError> {
+    let is_file = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+    match arguments.since.as_slice() {
+        [file] if is_file(file) && arguments.machine.is_some() => {
+            Err(CliError::Since { found: "found a machine file beside that of --machine" })
+        }
+        [file] if is_file(file) => Ok((Some(file), &[])),
+        all if all.iter().any(is_file) => Err(CliError::Since { found: "found a machine file among others" }),
+        recordings => Ok((None, recordings)),
+    }
 }
 
 /// A recording cannot confirm effects that it was used to choose, and counts only once, whatever its name, even as a copy.
-fn check_distinct(training: &[Recording], held_out: &[Recording]) -> Result<(), CliError> {
-    let all: Vec<&Recording> = training.iter().chain(held_out).collect();
+fn check_distinct(training: &[Recording], held_out: &[Recording], then: &[Recording]) -> Result<(), CliError> {
+    let all: Vec<&Recording> = training.iter().chain(held_out).chain(then).collect();
     for (index, second) in all.iter().enumerate() {
         if let Some(at) = all[..index].iter().position(|first| same(first, second)) {
-            let expected = if at < training.len() && index >= training.len() {
+            let is_held_out = (training.len()..training.len() + held_out.len()).contains(&index);
+            let expected = if at < training.len() && is_held_out {
                 "held-out recordings that are not trained on"
             } else {
                 "each recording once"
@@ -229,19 +280,4 @@ fn listed(folder: &Path, prefix: &str) -> Result<Vec<PathBuf>, CliError> {
         }
     }
     Ok(found)
-}
-
-/// The machine file after the diagnosis.
-fn saved(file: &MachineFile, diagnosis: &Diagnosis, absolute: bool) -> MachineFile {
-    let mut after = file.clone();
-    if absolute {
-        after.channels.pressure = PressureZero::Absolute;
-    }
-    after.machine = diagnosis.machine_after;
-    after.start_at(diagnosis.level_at_rest);
-    let effects = diagnosis.findings.iter().flat_map(|finding| &finding.parameters);
-    after.given.extend(diagnosis.refitted.iter().chain(effects).map(|estimate| estimate.parameter));
-    after.effects.extend(diagnosis.unnamed.as_ref().map(|_| "unnamed"));
-    after.effects.extend(diagnosis.findings.iter().map(|finding| finding.effect.name));
-    after
 }

@@ -153,6 +153,14 @@ pub enum CliError {
         /// What is certainly wrong.
         doubts: String,
     },
+    /// `--since` with what does not say one time.
+    #[error(
+        "--since: {found}; expected the machine file of then, without --machine, or recordings of then beside --machine or a folder"
+    )]
+    Since {
+        /// What was given.
+        found: &'static str,
+    },
     /// A folder without training recordings.
     #[error("{}: no train-*.csv (.txt, .mat, .mf4, .parquet); expected machine.toml, train-*.csv and holdout-*.csv, or --machine, --train and --holdout", folder.display())]
     NothingToTrain {

@@ -28,6 +28,7 @@ mod report;
 mod shared;
 mod shipped;
 mod simulate;
+mod since;
 mod targets;
 mod terminal;
 mod testbed;

@@ -61,7 +61,7 @@ pub(crate) fn decide(
         return Decision::without(question, selection, vetoed, confirmation);
     }
     let mut findings: Vec<Finding> =
-        chosen.effects.iter().map(|chosen| finding(chosen, selection, &estimates, &vetoed)).collect();
+        chosen.effects.iter().map(|chosen| finding(chosen, question.scene, selection, &estimates, &vetoed)).collect();
     findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     Ok(Decision { findings, not_confirmed: vetoed, confirmation, after: chosen.clone(), estimates })
 }

@@ -31,6 +31,7 @@ use crate::selection::excerpt::Excerpt;
 use crate::selection::screen::Lead;
 use crate::selection::{Candidate, Question};
 use crate::settled_valve::SettledValve;
+use crate::since::{held, may_be_found, with_changes};
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
@@ -69,8 +70,7 @@ pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
 /// How many progress steps a diagnosis of this machine takes at least.
 #[must_use]
 pub fn steps(file: &MachineFile) -> u64 {
-    let base_parameters = base_parameters(file);
-    1 + CATALOGUE.iter().filter(|hypothesis| !hypothesis.is_on(&file.machine, &base_parameters)).count() as u64
+    1 + (CATALOGUE.len() - held(file).len()) as u64
 }
 
 /// Diagnoses a drive from training recordings, and confirms on held-out ones.
@@ -101,22 +101,41 @@ pub fn diagnose(
     tick: Option<Tick>,
     progress: Progress<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
+    diagnosed(file, None, (training, held_out), tick, progress)
+}
+
+/// Diagnoses what has changed since a machine file was written: the effects that it holds may have become more or less, and each that has is a finding.
+pub fn diagnose_since(
+    file: &MachineFile,
+    training: &[Recording],
+    held_out: &[Recording],
+    tick: Option<Tick>,
+    progress: Progress<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
+    diagnosed(file, Some(held(file)), (training, held_out), tick, progress)
+}
+
+/// Diagnoses a drive; `since` are the effects of the machine file that may have changed, where that is asked.
+fn diagnosed(
+    file: &MachineFile,
+    since: Option<Vec<&'static Hypothesis>>,
+    (training, held_out): (&[Recording], &[Recording]),
+    tick: Option<Tick>,
+    progress: Progress<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let on = held(file);
     let (mut trained, mut held) = prepared(file, training, held_out, tick)?;
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     check_entries(&trained, &held)?;
 
-    let free = base_parameters(file);
+    let changeable = since.as_deref().unwrap_or_default();
+    let free = with_changes(base_parameters(file), &file.machine, changeable);
     let valve = SettledValve::of(&file.machine, &free, &trained)?;
     let machine = valve.as_ref().map_or(&file.machine, |valve| &valve.machine);
     let base_parameters = valve.as_ref().map_or(free.as_slice(), |valve| &valve.free);
     let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
-    let scene = scene(file, machine, &judged, &trained)?;
-    let (hypotheses, not_testable): (Vec<_>, Vec<_>) = CATALOGUE
-        .iter()
-        .copied()
-        .filter(|hypothesis| !hypothesis.is_on(&file.machine, &free) && hypothesis.is_reached(&scene))
-        .filter(|hypothesis| valve.is_none() || hypothesis.subsystem != Subsystem::Valve)
-        .partition(|hypothesis| hypothesis.is_testable(&scene));
+    let scene = scene(file, machine, &judged, &trained, changeable)?;
+    let (hypotheses, not_testable) = hypotheses(&scene, &on, valve.is_some());
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, base_parameters, hypotheses: &hypotheses };
     let mut selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;
@@ -184,6 +203,7 @@ pub fn diagnose(
     let of_spool = valve.map(|valve| valve.estimates).unwrap_or_default();
     Ok(Diagnosis {
         machine: file.name.clone(),
+        since,
         doubts: Vec::new(),
         verdict,
         located,
@@ -228,6 +248,7 @@ fn scene<'a>(
     machine: &'a Machine<f64>,
     judged: &'a [Signal],
     trained: &[Prepared],
+    held: &'a [&'static Hypothesis],
 ) -> Result<Scene<'a>, DiagnoseError> {
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     Ok(Scene {
@@ -238,7 +259,22 @@ fn scene<'a>(
         travel_m: travelled(machine, trained),
         duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
         lowest_pa: lowest_pressure(machine, trained)?,
+        held,
     })
+}
+
+/// The effects that these recordings may show, and those that they cannot: `on` are those of the machine file. Of a valve that is settled none is asked.
+fn hypotheses(
+    scene: &Scene<'_>,
+    on: &[&Hypothesis],
+    is_settled: bool,
+) -> (Vec<&'static Hypothesis>, Vec<&'static Hypothesis>) {
+    CATALOGUE
+        .iter()
+        .copied()
+        .filter(|effect| may_be_found(effect, on, scene.held) && effect.is_reached(scene))
+        .filter(|effect| !is_settled || effect.subsystem != Subsystem::Valve)
+        .partition(|effect| effect.is_testable(scene))
 }
 
 /// What there was before a force from outside became an input.

@@ -3,7 +3,7 @@
 use identification::fit::Estimate;
 use model_core::machine::Parameter;
 
-use crate::catalogue::Hypothesis;
+use crate::catalogue::{Hypothesis, Scene};
 use crate::selection::decision_rule::{ALTERNATIVE_FROM, MOST_CONFIDENT};
 use crate::selection::{Chosen, JumpsFound, Selection, Trial};
 
@@ -16,6 +16,8 @@ pub struct Finding {
     pub confidence: f64,
     /// Its fitted parameters.
     pub parameters: Vec<Estimate>,
+    /// Of an effect that the machine file holds: how much there was of it.
+    pub before: Vec<(Parameter, f64)>,
     /// What may stand in its place beside the other accepted effects, with the probability of those candidate models.
     pub alternatives: Vec<(&'static Hypothesis, f64)>,
     /// The jumps that the position shows, for a stiction that no free run can determine.
@@ -26,6 +28,7 @@ pub struct Finding {
 /// effect.
 pub(crate) fn finding(
     chosen: &Chosen,
+    scene: &Scene<'_>,
     selection: &Selection,
     estimates: &[Estimate],
     vetoed: &[&'static Hypothesis],
@@ -41,9 +44,11 @@ pub(crate) fn finding(
             estimates.iter().find(|estimate| estimate.parameter == effect_parameter.parameter).copied()
         })
         .collect();
+    let before = chosen.form.iter().map(|own| (own.parameter, scene.before(own))).filter(|(_, before)| *before != 0.0);
     Finding {
         effect: chosen.effect,
         confidence: confidence.min(MOST_CONFIDENT),
+        before: before.collect(),
         parameters,
         alternatives,
         jumps: selection.jumps.as_ref().filter(|_| chosen.has(Parameter::StictionBand)).map(|jumps| jumps.found),

@@ -23,10 +23,11 @@ pub mod outside;
 mod pressure_zero;
 pub mod selection;
 mod settled_valve;
+mod since;
 #[cfg(test)]
 mod test_scene;
 
-pub use diagnose::{DiagnoseError, Progress, base_parameters, diagnose, steps};
+pub use diagnose::{DiagnoseError, Progress, base_parameters, diagnose, diagnose_since, steps};
 pub use finding::Finding;
 pub use outcome::{Diagnosis, Fits, Shown, Verdict};
 pub use pressure_zero::read_absolute;

@@ -34,6 +34,8 @@ pub enum Verdict {
 pub struct Diagnosis {
     /// The drive's name.
     pub machine: String,
+    /// The effects of the machine file that may have changed since it was written, where that was asked.
+    pub since: Option<Vec<&'static Hypothesis>>,
     /// How it ended.
     pub verdict: Verdict,
     /// Where the misfit is; `None` if nothing is missing and no effect is suspected or was withdrawn.

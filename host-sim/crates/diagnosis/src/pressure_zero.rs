@@ -49,6 +49,7 @@ pub fn read_absolute(file: &MachineFile, training: &[Recording], tick: Option<Ti
         travel_m: travelled(&file.machine, &gauge),
         duration_s: gauge.iter().map(Prepared::duration_s).fold(0.0, f64::max),
         lowest_pa: f64::INFINITY,
+        held: &[],
     };
     let base = base_parameters(file);
     let near = Candidate::tolerated(&scene, &base, &mut gauge)?;

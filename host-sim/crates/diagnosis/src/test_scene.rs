@@ -17,5 +17,6 @@ pub(crate) fn scene<'a>(machine: &'a Machine<f64>, judged: &'a [Signal]) -> Scen
         travel_m: (0.05, 0.25),
         duration_s: 5.0,
         lowest_pa: -1e6,
+        held: &[],
     }
 }

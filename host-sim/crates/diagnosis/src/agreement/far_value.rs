@@ -56,12 +56,16 @@ pub enum Cause {
     Times,
 }
 
-/// The far ones of fitted values. A tolerance is not among them: it cannot be left ([`Tolerated`](super::Tolerated)).
+/// The far ones of fitted values. A tolerance is not among them: it cannot be left ([`Tolerated`](super::Tolerated)). Nor is an amount that has changed:
+/// it is a finding.
 #[must_use]
 pub fn far_values(free: &[Free], estimates: &[Estimate]) -> Vec<FarValue> {
     let far = |estimate: &Estimate| {
         let free = free.iter().find(|free| free.parameter == estimate.parameter && free.tolerance().is_none())?;
         let value = estimate.value;
+        if free.near().is_some_and(|most| (value - free.nominal()).abs() > most) {
+            return None;
+        }
         let sigmas = free.deviations(value).abs();
         let is_determined = estimate.at_bound || sigmas * free.width(value) > DETERMINED * estimate.std;
         let is_impossible = is_impossible(free, value);

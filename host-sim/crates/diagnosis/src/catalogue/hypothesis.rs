@@ -70,9 +70,24 @@ pub struct Scene<'a> {
     pub duration_s: f64,
     /// Lowest pressure of a chamber in the recordings, by the sensors and by the model without effects, Pa; infinite where neither gives one.
     pub lowest_pa: f64,
+    /// Effects that the machine file holds and that may have changed since it was written.
+    pub held: &'a [&'static Hypothesis],
 }
 
 impl Scene<'_> {
+    /// How much there is of an effect that may have changed; 0 of any other.
+    #[must_use]
+    pub fn before(&self, amount: &EffectParameter) -> f64 {
+        let is_held = |effect: &&Hypothesis| effect.amounts().any(|own| own.parameter == amount.parameter);
+        if amount.is_amount() && self.held.iter().any(is_held) { self.machine.get(amount.parameter) } else { 0.0 }
+    }
+
+    /// Whether a form is one of an effect that may have changed.
+    #[must_use]
+    pub fn holds(&self, form: Form) -> bool {
+        form.iter().any(|effect_parameter| self.before(effect_parameter) != 0.0)
+    }
+
     /// The force of the full supply on side A, N.
     #[must_use]
     pub fn full_force_n(&self) -> f64 {
@@ -234,6 +249,11 @@ impl Hypothesis {
         self.every_form().flatten()
     }
 
+    /// Its effect parameters that say how much of it there is.
+    fn amounts(&self) -> impl Iterator<Item = &'static EffectParameter> {
+        self.effect_parameters().filter(|effect_parameter| effect_parameter.is_amount())
+    }
+
     /// The forms that a scene can show.
     pub fn forms_in<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Form> + 'a {
         let hidden = |effect_parameter: &EffectParameter| matches!(effect_parameter.kind, Kind::Signed(size) if size(scene) == 0.0);
@@ -298,9 +318,13 @@ pub fn covered_by(amount: Parameter) -> Parameter {
     }
 }
 
-/// The largest magnitude of an amount within its tolerance; 0 where it has none.
+/// The largest magnitude of an amount within its tolerance, or of a change of one that may have changed; 0 where it has neither.
 #[must_use]
 pub fn tolerance(base_parameters: &[Free], amount: Parameter) -> f64 {
+    let itself = base_parameters.iter().find(|free| free.parameter == amount);
+    if let Some(most) = itself.and_then(Free::near) {
+        return most;
+    }
     let known = base_parameters.iter().find(|free| free.parameter == covered_by(amount));
     known.and_then(Free::tolerance).unwrap_or(0.0)
 }

@@ -18,6 +18,10 @@ pub fn extended(
 ) -> Result<Vec<Lead>, MachineError> {
     let Some(extension) = effect.extends else { return Ok(Vec::new()) };
     let given = fit.machine.get(extension.given);
+    // What the plainer effect was before stays its own.
+    if scene.machine.get(extension.given) != 0.0 {
+        return Ok(Vec::new());
+    }
     let mut found = Vec::new();
     let taken = |effect_parameter: &&EffectParameter| extension.taken.contains(&effect_parameter.parameter);
     // A form that takes nothing over from the plainer effect is no extension of it.

@@ -71,7 +71,7 @@ pub fn amounts(form: Form) -> impl Iterator<Item = &'static EffectParameter> {
     form.iter().filter(|effect_parameter| effect_parameter.is_amount())
 }
 
-/// What the tolerance of an amount has taken up: 0 where it has none.
+/// What there is of an amount already: by its tolerance, or because it may have changed from there; 0 of any other.
 fn taken_up(fit: &Fit, amount: &EffectParameter) -> f64 {
     fit.machine.get(amount.parameter)
 }
@@ -91,9 +91,9 @@ fn directions(
 }
 
 /// The value of each amount, in its unit, that lowers the loss most, from the direction in which it moves the residuals; and the gain.
-fn directed(sensitivity: &Sensitivity<'_>, form: Form, directions: &[Simulated]) -> (Vec<f64>, f64) {
-    let positive: Vec<bool> =
-        amounts(form).map(|effect_parameter| !matches!(effect_parameter.kind, Kind::Signed(_))).collect();
+fn directed(scene: &Scene<'_>, sensitivity: &Sensitivity<'_>, form: Form, directions: &[Simulated]) -> (Vec<f64>, f64) {
+    let only_grows = |amount: &EffectParameter| !matches!(amount.kind, Kind::Signed(_)) && scene.before(amount) == 0.0;
+    let positive: Vec<bool> = amounts(form).map(only_grows).collect();
     let changes: Vec<Change> = directions.iter().map(|direction| sensitivity.change(direction)).collect();
     sensitivity.amounts(&changes, &positive)
 }
@@ -127,7 +127,7 @@ pub fn screen(
                 let gain = lead.map_or(0.0, |lead| lead.gain);
                 return PredictedGain { form: index, shape: shape.clone(), shares: Vec::new(), gain };
             }
-            let predicted_gain = directions.as_ref().map(|directions| directed(sensitivity, form, directions));
+            let predicted_gain = directions.as_ref().map(|directions| directed(scene, sensitivity, form, directions));
             let (shares, gain) = predicted_gain.unwrap_or_default();
             PredictedGain { form: index, shape: shape.clone(), shares, gain }
         };
@@ -140,10 +140,13 @@ pub fn screen(
 }
 
 /// Whether an amount is beyond what the drive has within its tolerance anyway: less is no effect.
-fn is_beyond_tolerance(free: &[Free], form: Form, values: &[(Parameter, f64)]) -> bool {
-    let value = |of: Parameter| values.iter().find(|(parameter, _)| *parameter == of).map_or(0.0, |(_, value)| *value);
+fn is_beyond_tolerance(scene: &Scene<'_>, free: &[Free], form: Form, values: &[(Parameter, f64)]) -> bool {
+    let more = |amount: &EffectParameter| {
+        let value = values.iter().find(|(parameter, _)| *parameter == amount.parameter);
+        value.map_or(0.0, |(_, value)| (value - scene.before(amount)).abs())
+    };
     let mut amounts = amounts(form).peekable();
-    amounts.peek().is_none() || amounts.any(|amount| value(amount.parameter).abs() > tolerance(free, amount.parameter))
+    amounts.peek().is_none() || amounts.any(|amount| more(amount) > tolerance(free, amount.parameter))
 }
 
 /// The best of the promising points of every form, by simulation at the point itself.
@@ -160,7 +163,7 @@ fn best(
         let values: Values = amounts
             .map(|(amount, share)| (amount.parameter, taken_up(fit, amount) + share * amount.unit(scene)))
             .collect();
-        is_beyond_tolerance(&fit.free, form, &values)
+        is_beyond_tolerance(scene, &fit.free, form, &values)
     };
     let predicted_gain: Vec<&PredictedGain> = predicted_gain.into_iter().filter(is_beyond).collect();
     let mut gains: Vec<f64> = predicted_gain.iter().map(|predicted| predicted.gain).collect();
@@ -175,7 +178,7 @@ fn best(
     let mut best: Vec<Option<Lead>> = vec![None; forms.len()];
     for (index, lead) in leads {
         if let Some(lead) = lead
-            && is_beyond_tolerance(&fit.free, lead.form, &lead.values)
+            && is_beyond_tolerance(scene, &fit.free, lead.form, &lead.values)
             && best[index].as_ref().is_none_or(|known| known.gain < lead.gain)
         {
             best[index] = Some(lead);
@@ -186,10 +189,13 @@ fn best(
     found
 }
 
-/// Every combination of the shapes' points.
+/// Every combination of the shapes' points; of an effect that may have changed, the shapes that it has.
 pub fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Values> {
+    let tries = |shape: &EffectParameter| {
+        if scene.holds(form) { vec![scene.machine.get(shape.parameter)] } else { shape.tries(scene) }
+    };
     let shapes = form.iter().filter(|effect_parameter| !effect_parameter.is_amount());
-    combined(Vec::new(), shapes.map(|effect_parameter| (effect_parameter.parameter, effect_parameter.tries(scene))))
+    combined(Vec::new(), shapes.map(|shape| (shape.parameter, tries(shape))))
 }
 
 /// The `given` values with every combination of the values to try.
@@ -210,6 +216,14 @@ pub fn with(machine: &Machine<f64>, values: &[(Parameter, f64)]) -> Machine<f64>
         machine.set(parameter, value.clamp(description.min, description.max));
     }
     machine
+}
+
+/// An amount this far beyond what there is already; of what may only become less, some is left.
+fn moved(scene: &Scene<'_>, amount: &EffectParameter, there: f64, beyond: f64) -> f64 {
+    /// A step in the logarithm is not a step to nothing.
+    const LEFT: f64 = 0.05;
+    let may_vanish = scene.before(amount) > 0.0 && !matches!(amount.kind, Kind::Signed(_));
+    if may_vanish { (there + beyond).max(LEFT * there) } else { there + beyond }
 }
 
 fn lead(
@@ -241,7 +255,10 @@ fn lead(
                 .filter(|(_, (share, _))| **share != 0.0)
                 .map(|(effect_parameter, (share, unit))| {
                     let beyond = step * share.clamp(-30.0, 30.0) * unit;
-                    (effect_parameter.parameter, taken_up(fit, effect_parameter) + beyond)
+                    (
+                        effect_parameter.parameter,
+                        moved(scene, effect_parameter, taken_up(fit, effect_parameter), beyond),
+                    )
                 })
                 .collect();
             let lead = lead_at([predicted.shape.as_slice(), &values].concat())?;
@@ -263,7 +280,7 @@ fn lead(
             }
         }
         (shares, predicted_gain) =
-            directed(sensitivity, form, &directions(fit, sensitivity, form, &predicted.shape, &units)?);
+            directed(scene, sensitivity, form, &directions(fit, sensitivity, form, &predicted.shape, &units)?);
     }
     Ok(best.filter(|lead| lead.gain > 0.0).map(|mut lead| {
         // An effect parameter that is 0 at this point starts at a small value.
@@ -325,17 +342,21 @@ fn jump(
 #[cfg(test)]
 mod tests {
     use identification::fit::Freedom;
+    use test_press::press;
 
     use super::*;
     use crate::catalogue::CATALOGUE;
+    use crate::test_scene::scene;
 
     #[test]
     fn what_good_seals_have_anyway_is_no_lead_whichever_law_describes_it() {
         let free =
             [Free { parameter: Parameter::StribeckForce, freedom: Freedom::Within { most: 400.0, is_signed: false } }];
+        let machine = press(&[]);
+        let scene = scene(&machine, &[]);
         let coulomb = CATALOGUE.iter().find(|effect| effect.name == "coulomb-friction").unwrap();
         let is_lead = |free: &[Free], force_n| {
-            is_beyond_tolerance(free, coulomb.forms[0], &[(Parameter::CoulombFriction, force_n)])
+            is_beyond_tolerance(&scene, free, coulomb.forms[0], &[(Parameter::CoulombFriction, force_n)])
         };
         assert!(!is_lead(&free, 300.0) && is_lead(&free, 500.0) && is_lead(&[], 1.0));
     }

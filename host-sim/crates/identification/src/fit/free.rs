@@ -30,6 +30,13 @@ pub enum Freedom {
         /// Whether it may have either sign; else the least value is 0.
         is_signed: bool,
     },
+    /// Within so much of a nominal value, either way: moves ever more stiffly towards the ends.
+    Near {
+        /// Nominal value.
+        nominal: f64,
+        /// Largest distance from it.
+        most: f64,
+    },
     /// Of either sign and of roughly known size: moves ever more stiffly towards a limit of one and a half times [`REACH`].
     Signed {
         /// Standard deviation.
@@ -103,11 +110,19 @@ impl Free {
         if let Freedom::Within { most, .. } = self.freedom { Some(most) } else { None }
     }
 
+    /// How far it may be from its nominal value, where that is bounded on both sides.
+    #[must_use]
+    pub fn near(&self) -> Option<f64> {
+        if let Freedom::Near { most, .. } = self.freedom { Some(most) } else { None }
+    }
+
     /// The machine file's value: of a tolerance, and of what may vanish or have either sign, none of it.
     #[must_use]
     pub fn nominal(&self) -> f64 {
         match self.freedom {
-            Freedom::Around { nominal, .. } | Freedom::Roughly { nominal, .. } => nominal,
+            Freedom::Around { nominal, .. } | Freedom::Roughly { nominal, .. } | Freedom::Near { nominal, .. } => {
+                nominal
+            }
             Freedom::Logarithm { centre, vanishes: false, .. } => centre,
             Freedom::Within { .. } | Freedom::Signed { .. } | Freedom::Logarithm { .. } => 0.0,
         }
@@ -136,6 +151,7 @@ impl Free {
     pub fn usually_off(&self) -> [f64; 2] {
         match self.freedom {
             Freedom::Within { most, is_signed } => [0.5 * most, if is_signed { -0.5 * most } else { 0.0 }],
+            Freedom::Near { nominal, most } => [nominal + 0.5 * most, nominal - 0.5 * most],
             _ => [self.value(1.0), self.value(-1.0)],
         }
     }
@@ -162,6 +178,7 @@ impl Free {
             }
             Freedom::Within { most, is_signed: true } => most * (0.5 * coordinate).tanh(),
             Freedom::Within { most, is_signed: false } => most * 0.5 * (1.0 + (0.5 * coordinate).tanh()),
+            Freedom::Near { nominal, most } => nominal + most * (0.5 * coordinate).tanh(),
             Freedom::Signed { sigma } => sigma * REACH_SIGNED * (coordinate / REACH_SIGNED).tanh(),
             Freedom::Logarithm { centre, spread, vanishes } => {
                 centre * (spread * reached(coordinate, vanishes)).max(-40.0).exp()
@@ -183,6 +200,7 @@ impl Free {
                 let share = if is_signed { value / most } else { 2.0 * value / most - 1.0 };
                 2.0 * share.clamp(-0.99, 0.99).atanh()
             }
+            Freedom::Near { nominal, most } => 2.0 * ((value - nominal) / most).clamp(-0.99, 0.99).atanh(),
             Freedom::Signed { sigma } => REACH_SIGNED * (value / sigma / REACH_SIGNED).clamp(-0.99, 0.99).atanh(),
             Freedom::Logarithm { centre, spread, vanishes } => {
                 let deviations = (value / centre).max(1e-17).ln() / spread;
@@ -212,6 +230,7 @@ impl Free {
                 let whole = if is_signed { most } else { 0.5 * most };
                 0.5 * whole * (1.0 - (0.5 * coordinate).tanh().powi(2))
             }
+            Freedom::Near { most, .. } => 0.5 * most * (1.0 - (0.5 * coordinate).tanh().powi(2)),
             Freedom::Signed { sigma } => sigma * (1.0 - (coordinate / REACH_SIGNED).tanh().powi(2)),
             Freedom::Logarithm { spread, vanishes, .. } => {
                 let share = reached(coordinate, vanishes) / REACH;
@@ -253,6 +272,7 @@ mod tests {
             Freedom::Roughly { least: 0.01, nominal: 0.02, spread: 0.7 },
             signed(true),
             signed(false),
+            Freedom::Near { nominal: 0.02, most: 0.002 },
             Freedom::Signed { sigma: 0.05 },
             Freedom::Logarithm { centre: 0.01, spread: 0.7, vanishes: false },
         ] {

@@ -32,6 +32,7 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
         @for (index, finding) in diagnosis.findings.iter().enumerate() {
             section {
                 h2 { "What: " (finding.effect.name) }
+                @if let Some(change) = wording::change(&diagnosis.machine_after, finding) { p class="fact" { (capital(&change)) "." } }
                 div class="fact" { p { "In the " (finding.effect.subsystem) " link: " code { (finding.effect.equation) } } }
                 table {
                     tr { th { "parameter" } th { "value" } th { "±" } th { "unit" } th class="text" { "size" } }

@@ -47,6 +47,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
     json!({
         "schema": "host-sim/diagnosis/1",
         "machine": diagnosis.machine,
+        "since": diagnosis.since.as_ref().map(|held| held.iter().map(|effect| effect.name).collect::<Vec<_>>()),
         "verdict": diagnosis.verdict,
         "plausibility": diagnosis.doubts.iter().map(doubt).collect::<Vec<_>>(),
         "far_values": diagnosis.far_values().iter().map(|far| {
@@ -267,13 +268,17 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
         .parameters
         .iter()
         .map(|estimate| {
-            json!({
+            let mut told = json!({
                 "name": short_name(estimate.parameter),
                 "value": digits(estimate.value, 6),
                 "std": digits(estimate.std, 3),
                 "unit": estimate.parameter.description().unit,
                 "size": size(&diagnosis.machine_after, estimate.parameter, estimate.value).map(|size| size.to_string()),
-            })
+            });
+            if let Some((_, before)) = finding.before.iter().find(|(parameter, _)| *parameter == estimate.parameter) {
+                told["before"] = json!(digits(*before, 6));
+            }
+            told
         })
         .collect();
     let alternatives: Vec<Value> = finding
@@ -295,6 +300,16 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
         "separated_by": exhibits.separated_by(finding),
         "separation": evidence::separation(exhibits, finding),
     });
+    if let Some((estimate, before)) = wording::most_changed(finding) {
+        found["change"] = json!({
+            "name": short_name(estimate.parameter),
+            "before": digits(before, 6),
+            "value": digits(estimate.value, 6),
+            "ratio": digits(estimate.value / before, 4),
+            "unit": estimate.parameter.description().unit,
+            "sentence": wording::change(&diagnosis.machine_after, finding),
+        });
+    }
     if let Some(jumps) = finding.jumps {
         found["jumps"] = json!({
             "length": digits(jumps.jump_spacing.length, 3),

@@ -39,6 +39,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     }
     for finding in &diagnosis.findings {
         let _ = writeln!(text, "\nfinding    {} (confidence {:.3})", finding.effect.name, finding.confidence);
+        if let Some(change) = wording::change(&diagnosis.machine_after, finding) {
+            let _ = writeln!(text, "changed    {change}");
+        }
         let _ = writeln!(text, "equation   {}", finding.effect.equation);
         for estimate in &finding.parameters {
             let unit = estimate.parameter.description().unit;
@@ -170,7 +173,9 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
     let name = &diagnosis.machine;
     match diagnosis.verdict {
         Verdict::MissingPhysics => {
-            let effects: Vec<String> = diagnosis.findings.iter().map(wording::claimed).collect();
+            let found = |finding| wording::found(diagnosis, finding);
+            let effects: Vec<String> = diagnosis.findings.iter().map(found).collect();
+            let what = if diagnosis.since.is_some() { "changed" } else { "missing physics" };
             let confirmed = match &diagnosis.confirmation {
                 Some(confirmation) => {
                     format!("confirmed on {} of {} held-out recordings", confirmation.improved, confirmation.recordings)
@@ -183,11 +188,11 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
             let effects = effects.join(" and ");
             match worst(&diagnosis.left) {
                 Some(left) => format!(
-                    "{name}: missing physics, partly explained: {effects}; {} is still off by {} times its noise; {confirmed}{outside}",
+                    "{name}: {what}, partly explained: {effects}; {} is still off by {} times its noise; {confirmed}{outside}",
                     left.signal,
                     significant(left.over_noise, 2)
                 ),
-                None => format!("{name}: missing physics: {effects}; {confirmed}{}{outside}", held_out(diagnosis)),
+                None => format!("{name}: {what}: {effects}; {confirmed}{}{outside}", held_out(diagnosis)),
             }
         }
         Verdict::NothingMissing if diagnosis.training_is_too_narrow => format!(
@@ -196,10 +201,11 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
         ),
         Verdict::NothingMissing => {
             let noise = if diagnosis.left.is_empty() { "their noise" } else { "twice their noise" };
-            format!(
-                "{name}: nothing missing: the refitted model follows the recordings within {noise}{}",
-                held_out(diagnosis)
-            )
+            let nothing = match diagnosis.since {
+                Some(_) => "unchanged: the model of then, refitted,",
+                None => "nothing missing: the refitted model",
+            };
+            format!("{name}: {nothing} follows the recordings within {noise}{}", held_out(diagnosis))
         }
         Verdict::Unexplained if let Some(outside) = &diagnosis.outside => format!(
             "{name}: unexplained by the drive itself; probable cause outside it: {}; no effect of the catalogue explains as much",

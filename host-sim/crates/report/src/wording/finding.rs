@@ -168,7 +168,14 @@ mod tests {
     fn found(name: &str, others: &[(&str, f64)]) -> String {
         let alternatives = others.iter().map(|(other, probability)| (effect(other), *probability)).collect();
         let (confidence, parameters) = (0.5, Vec::new());
-        claimed(&Finding { effect: effect(name), confidence, parameters, alternatives, jumps: None })
+        claimed(&Finding {
+            effect: effect(name),
+            confidence,
+            parameters,
+            before: Vec::new(),
+            alternatives,
+            jumps: None,
+        })
     }
 
     #[test]

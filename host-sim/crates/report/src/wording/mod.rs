@@ -1,6 +1,7 @@
 //! What the crates below found, in sentences: they return values, and the words are made here, once for the terminal, JSON and the page.
 //! Each is a clause without full stop.
 
+mod change;
 mod comparison;
 mod doubt;
 mod far_value;
@@ -12,6 +13,7 @@ mod still_moving;
 mod tolerance;
 mod unit;
 
+pub use change::{change, found, most_changed};
 pub use comparison::{obstacle, unjudged};
 pub use doubt::doubt;
 pub(crate) use far_value::moved;

@@ -71,7 +71,18 @@ impl Candidate {
                     Kind::Signed(_) => coordinate.abs() < PRESSED_SIGNED,
                     Kind::Place(..) => coordinate.abs() < PLACE_WITHIN,
                 });
-                let notable = chosen.form.iter().map(at).any(|(kind, coordinate)| match kind {
+                // Of an effect that was there before, what it has changed by.
+                let change = |effect_parameter: &EffectParameter| {
+                    let before = scene.before(effect_parameter);
+                    let changed = self.fit.machine.get(effect_parameter.parameter) - before;
+                    let coordinate = match effect_parameter.kind {
+                        _ if before == 0.0 => self.coordinate(scene, effect_parameter),
+                        Kind::Signed(_) => effect_parameter.free(scene).coordinate(changed),
+                        _ => effect_parameter.free(scene).coordinate(changed.abs()),
+                    };
+                    (effect_parameter.kind, coordinate)
+                };
+                let notable = chosen.form.iter().map(change).any(|(kind, coordinate)| match kind {
                     Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate > AMOUNT_NEGLIGIBLE,
                     Kind::Signed(_) => coordinate.abs() > SIGNED_NEGLIGIBLE,
                     // A floor acts wherever it lies.
@@ -105,12 +116,12 @@ impl Candidate {
         time.slow_from(scene).is_some_and(|least| self.fit.machine.get(time.parameter) <= least)
     }
 
-    /// Whether an amount of an effect is larger than its tolerance, or has none.
+    /// Whether an amount of an effect is larger than its tolerance, or has none; of one that was there before, whether it has changed by more than
+    /// what was known of it.
     fn is_beyond_tolerance(&self, question: &Question<'_>, chosen: &Chosen) -> bool {
-        let value = |parameter| self.fit.machine.get(parameter);
+        let more = |own: &EffectParameter| (self.fit.machine.get(own.parameter) - question.scene.before(own)).abs();
         let mut amounts = chosen.form.iter().filter(|effect_parameter| effect_parameter.is_amount()).peekable();
-        amounts.peek().is_none()
-            || amounts.any(|own| value(own.parameter).abs() > tolerance(question.base_parameters, own.parameter))
+        amounts.peek().is_none() || amounts.any(|own| more(own) > tolerance(question.base_parameters, own.parameter))
     }
 
     /// Whether it has used up the tolerance of an amount of a plain effect: only recordings that press for more come so far.
