@@ -115,7 +115,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         input::doubts(&job.machine, &job.file, job.training.iter().chain(&job.held_out), arguments.as_recorded);
     bar.finish_and_clear();
     let doubts = doubts?;
-    let file = of_then(&mut job, tick, console)?;
+    diagnose_then(&mut job, tick, console)?;
     let steps = usize::try_from(steps(&job.file)).unwrap_or(usize::MAX);
     let bar = console.progress(steps, "diagnosing");
     let diagnosed = if arguments.since.is_empty() { diagnose } else { diagnose_since };
@@ -132,7 +132,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         write(path, format!("{:#}\n", json::document(&diagnosis, &exhibits)))?;
     }
     if let Some(path) = &arguments.save_machine {
-        let mut after = diagnosis.machine_file(&file);
+        let mut after = diagnosis.machine_file(&job.file);
         if absolute {
             after.channels.pressure = PressureZero::Absolute;
         }
@@ -155,19 +155,18 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(if arguments.exit_code && missing { Outcome::OutOfTolerance } else { Outcome::Done })
 }
 
-/// The machine file as a later diagnosis is to save it, with what recordings of then tell: what was found in them, and in the job what they know better.
-fn of_then(job: &mut Job, tick: Option<Tick>, console: &Console<'_>) -> Result<MachineFile, CliError> {
+/// Where there are recordings of then: the machine file with what they tell in the place of the job's.
+fn diagnose_then(job: &mut Job, tick: Option<Tick>, console: &Console<'_>) -> Result<(), CliError> {
     if job.then.is_empty() {
-        return Ok(job.file.clone());
+        return Ok(());
     }
     let bar = console.progress(usize::try_from(steps(&job.file)).unwrap_or(usize::MAX), "diagnosing then");
     let then = diagnose(&job.file, &job.then, &[], tick, &|_| bar.inc(1));
     bar.finish_and_clear();
     let then = then.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause })?;
     console.note(format_args!("then: {}", terminal::sentence(&then)));
-    let file = then.machine_file(&job.file);
-    job.file = then.as_known_later(&job.file);
-    Ok(file)
+    job.file = then.machine_file(&job.file);
+    Ok(())
 }
 
 const fn tone(verdict: Verdict) -> Tone {

@@ -6,6 +6,7 @@
 
 mod drive;
 mod installed;
+mod later;
 mod outside;
 mod recordings;
 mod table;
@@ -253,6 +254,28 @@ fn of_these_drives_nothing_is_said_to_be_missing_that_is_not() {
     for said in all(&[(matter("supply-droop"), 1), (matter("coulomb-friction"), 0), (Matter::Nothing, 9)]) {
         assert!(said.falsely().next().is_none(), "{}", said.line());
     }
+}
+
+/// Slow: `cargo test --release -p system-tests --test diagnosis of_drives_that_were_recorded_again -- --ignored --nocapture`; a part of it by
+/// `LATER="internal-leakage 0 3"` before that.
+#[test]
+#[ignore = "an hour or two"]
+fn of_drives_that_were_recorded_again_what_has_changed_is_named_and_what_has_not_is_not() {
+    if let Ok(part) = std::env::var("LATER") {
+        let mut words = part.split_whitespace();
+        let name = words.next().expect(NAMES);
+        let mut number = || words.next().and_then(|word| word.parse().ok()).expect(NAMES);
+        let numbers: std::ops::Range<u64> = number()..number();
+        let parts = later::parts().filter(|worn| worn.name() == name || name == "all");
+        let pairs: Vec<_> = parts.flat_map(|worn| numbers.clone().map(move |number| (worn, number))).collect();
+        println!("{}", later::table(&later::all(&pairs)));
+        return;
+    }
+    let pairs = later::all(&later::study());
+    snapshot::compare("diagnosis/later.txt", &later::table(&pairs), |found, kept| found == kept);
+    let of = later::Counts::of(&pairs);
+    assert!(100 * of.named >= 95 * of.changed, "{} of {}", of.named, of.changed);
+    assert!(100 * of.claimed <= 2 * of.same, "{} of {}", of.claimed, of.same);
 }
 
 /// Slow: `cargo test --release -p system-tests --test diagnosis of_drives_in_a_hall -- --ignored --nocapture`; a part of it, with each case written

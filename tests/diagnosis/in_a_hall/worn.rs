@@ -149,6 +149,61 @@ impl Worn {
     }
 }
 
+/// So many times as much of an effect; `None` of one that has no amount here.
+pub(super) fn times(effect: PlantEffect, by: f64) -> Option<PlantEffect> {
+    use PlantEffect as E;
+    Some(match effect {
+        E::InternalLeakage { conductance_m3_per_s_pa, turbulent_share, transition_pa } => {
+            E::InternalLeakage { conductance_m3_per_s_pa: by * conductance_m3_per_s_pa, turbulent_share, transition_pa }
+        }
+        E::ExternalLeakage { conductances_m3_per_s_pa, turbulent_share, transition_pa } => E::ExternalLeakage {
+            conductances_m3_per_s_pa: conductances_m3_per_s_pa.map(|conductance| by * conductance),
+            turbulent_share,
+            transition_pa,
+        },
+        E::EntrainedAir { share, dissolving_pa } => E::EntrainedAir { share: by * share, dissolving_pa },
+        // The seals yield by as much as before.
+        E::Friction(DryFriction {
+            level: FrictionLevel::Stribeck { sliding_n, break_away_n, velocity_m_per_s },
+            stiffness_n_per_m,
+            damping_n_s_per_m,
+        }) => E::Friction(DryFriction {
+            level: FrictionLevel::Stribeck {
+                sliding_n: by * sliding_n,
+                break_away_n: by * break_away_n,
+                velocity_m_per_s,
+            },
+            stiffness_n_per_m: by * stiffness_n_per_m,
+            damping_n_s_per_m,
+        }),
+        E::Valve(ValveEffect::WeightedPlays { width }) => E::Valve(ValveEffect::WeightedPlays { width: by * width }),
+        E::Flow(FlowEffect::DeadZone { extending, retracting }) => {
+            E::Flow(FlowEffect::DeadZone { extending: by * extending, retracting: by * retracting })
+        }
+        E::Flow(FlowEffect::SupplyDroop { resistance_pa_s_per_m3, gas_volume_m3, line_pa_s2_per_m6 }) => {
+            E::Flow(FlowEffect::SupplyDroop {
+                resistance_pa_s_per_m3: by * resistance_pa_s_per_m3,
+                gas_volume_m3,
+                line_pa_s2_per_m6: by * line_pa_s2_per_m6,
+            })
+        }
+        E::Flow(FlowEffect::BackPressure { linear_pa_s_per_m3, quadratic_pa_s2_per_m6 }) => {
+            E::Flow(FlowEffect::BackPressure {
+                linear_pa_s_per_m3: by * linear_pa_s_per_m3,
+                quadratic_pa_s2_per_m6: by * quadratic_pa_s2_per_m6,
+            })
+        }
+        E::Flow(FlowEffect::Leakage { opening, reach, laminar_pa }) => {
+            E::Flow(FlowEffect::Leakage { opening: by * opening, reach, laminar_pa })
+        }
+        E::Sensing(SensingEffect::Backlash { play_m }) => E::Sensing(SensingEffect::Backlash { play_m: by * play_m }),
+        E::Sensing(SensingEffect::Offset { channel, offset }) => {
+            E::Sensing(SensingEffect::Offset { channel, offset: by * offset })
+        }
+        _ => return None,
+    })
+}
+
 /// A stop within reach of the rod.
 fn stop(hall: &Hall, runs: &[Run], dice: &mut Noise) -> Option<LoadEffect> {
     let (mut low, mut high) = (f64::MAX, f64::MIN);

@@ -31,7 +31,7 @@ use crate::selection::excerpt::Excerpt;
 use crate::selection::screen::Lead;
 use crate::selection::{Candidate, Question};
 use crate::settled_valve::SettledValve;
-use crate::since::{held, may_be_found, with_changes};
+use crate::since::{held, may_be_found, since_then};
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
@@ -129,7 +129,8 @@ fn diagnosed(
     check_entries(&trained, &held)?;
 
     let changeable = since.as_deref().unwrap_or_default();
-    let free = with_changes(base_parameters(file), &file.machine, changeable);
+    let sheet = base_parameters(file);
+    let free = if since.is_some() { since_then(sheet, &file.machine, changeable) } else { sheet };
     let valve = SettledValve::of(&file.machine, &free, &trained)?;
     let machine = valve.as_ref().map_or(&file.machine, |valve| &valve.machine);
     let base_parameters = valve.as_ref().map_or(free.as_slice(), |valve| &valve.free);

@@ -28,12 +28,9 @@ pub(crate) fn may_be_found(effect: &Hypothesis, on: &[&Hypothesis], changeable: 
 /// what else a fit leaves open, has not changed. Source: half of what a strength may be off by, chosen.
 const AMOUNT_KNOWN: f64 = 0.1;
 
-/// The base parameters with the amounts that may have changed in the place of their tolerances.
-pub(crate) fn with_changes(
-    mut free: Vec<Free>,
-    machine: &Machine<f64>,
-    changeable: &[&'static Hypothesis],
-) -> Vec<Free> {
+/// The base parameters once they were fitted, with the amounts that may have changed in the place of their tolerances.
+pub(crate) fn since_then(free: Vec<Free>, machine: &Machine<f64>, changeable: &[&'static Hypothesis]) -> Vec<Free> {
+    let mut free: Vec<Free> = free.into_iter().map(once_fitted).collect();
     let amounts = changeable.iter().flat_map(|effect| effect.effect_parameters()).filter(|own| own.is_amount());
     for amount in amounts {
         let (parameter, value) = (amount.parameter, machine.get(amount.parameter));
@@ -52,9 +49,22 @@ pub(crate) fn with_changes(
 const OF_THE_DAY: [Parameter; 4] =
     [Parameter::BulkModulus, Parameter::ViscousFriction, Parameter::TankPressure, Parameter::LoadForce];
 
-/// From one time to another a value of a drive is the same within this share of itself. Source: chosen; a valve's zero and gain drift by less than a
-/// per cent between services.
-const SAME_WITHIN: f64 = 0.01;
+/// So many times as well as a data sheet says a value is known once it was fitted. Where a fit leaves a combination of values open, it is the same at
+/// another time.
+const KNOWN_TIMES: f64 = 5.0;
+
+/// A base parameter as it is known once it was fitted.
+fn once_fitted(free: Free) -> Free {
+    let freedom = match free.freedom {
+        _ if OF_THE_DAY.contains(&free.parameter) => free.freedom,
+        Freedom::Around { nominal, sigma } => Freedom::Around { nominal, sigma: sigma / KNOWN_TIMES },
+        Freedom::Roughly { least, nominal, spread } => {
+            Freedom::Roughly { least, nominal, spread: spread / KNOWN_TIMES }
+        }
+        other => other,
+    };
+    Free { freedom, ..free }
+}
 
 impl Diagnosis {
     /// The machine file after the diagnosis: refitted, with the accepted effects. What has become a finding is no tolerance any more: another fit would
@@ -70,23 +80,6 @@ impl Diagnosis {
         after.given.extend(self.refitted.iter().chain(of_effects()).map(|estimate| estimate.parameter));
         after.effects.extend(self.unnamed.as_ref().map(|_| "unnamed"));
         after.effects.extend(self.findings.iter().map(|finding| finding.effect.name));
-        after
-    }
-
-    /// The same as what is known beforehand at another time: values that these recordings determine are known as well as that, and not only as well as
-    /// a data sheet says.
-    #[must_use]
-    pub fn as_known_later(&self, before: &MachineFile) -> MachineFile {
-        let mut after = self.machine_file(before);
-        after.has_sigma_table = true;
-        for free in base_parameters(before).iter().filter(|free| free.tolerance().is_none()) {
-            let sheet = free.width(free.nominal());
-            let estimate = self.refitted.iter().find(|estimate| estimate.parameter == free.parameter);
-            let determined = estimate.filter(|one| one.std.is_finite() && !one.at_bound);
-            let known = determined.filter(|_| !OF_THE_DAY.contains(&free.parameter));
-            let sigma = known.map_or(sheet, |one| one.std.hypot(SAME_WITHIN * one.value).min(sheet));
-            after.sigma.insert(free.parameter, sigma);
-        }
         after
     }
 }
