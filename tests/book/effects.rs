@@ -42,6 +42,7 @@ fn scene(file: &MachineFile) -> Scene<'_> {
         duration_s: 10.0,
         lowest_pa: -1e6,
         held: &[],
+        changeable: &[],
     }
 }
 

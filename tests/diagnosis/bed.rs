@@ -56,6 +56,7 @@ impl Case {
             duration_s: 3.0,
             lowest_pa: f64::INFINITY,
             held: &[],
+            changeable: &[],
         }
     }
 }

@@ -64,6 +64,7 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
             duration_s: 4.0,
             lowest_pa: -1e6,
             held: &[],
+            changeable: &[],
         };
         for effect in CATALOGUE {
             for form in effect.every_form() {

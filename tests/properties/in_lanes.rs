@@ -96,6 +96,7 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
         duration_s: 2.0,
         lowest_pa: -1e6,
         held: &[],
+        changeable: &[],
     };
     let strong = |effect_parameter: &EffectParameter| {
         let (low, high) = effect_parameter.range(&scene);

@@ -31,7 +31,7 @@ use crate::selection::excerpt::Excerpt;
 use crate::selection::screen::Lead;
 use crate::selection::{Candidate, Question};
 use crate::settled_valve::SettledValve;
-use crate::since::{held, may_be_found, since_then};
+use crate::since::{changeable, held, may_be_found, since_then};
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
@@ -128,14 +128,15 @@ fn diagnosed(
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     check_entries(&trained, &held)?;
 
-    let changeable = since.as_deref().unwrap_or_default();
+    let since_held = since.as_deref().unwrap_or_default();
+    let changeable = changeable(file, since_held);
     let sheet = base_parameters(file);
-    let free = if since.is_some() { since_then(sheet, &file.machine, changeable) } else { sheet };
+    let free = if since.is_some() { since_then(sheet, &file.machine, since_held, &changeable) } else { sheet };
     let valve = SettledValve::of(&file.machine, &free, &trained)?;
     let machine = valve.as_ref().map_or(&file.machine, |valve| &valve.machine);
     let base_parameters = valve.as_ref().map_or(free.as_slice(), |valve| &valve.free);
     let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
-    let scene = scene(file, machine, &judged, &trained, changeable)?;
+    let scene = Scene { held: since_held, changeable: &changeable, ..scene(file, machine, &judged, &trained)? };
     let (hypotheses, not_testable) = hypotheses(&scene, &on, valve.is_some());
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, base_parameters, hypotheses: &hypotheses };
@@ -249,7 +250,6 @@ fn scene<'a>(
     machine: &'a Machine<f64>,
     judged: &'a [Signal],
     trained: &[Prepared],
-    held: &'a [&'static Hypothesis],
 ) -> Result<Scene<'a>, DiagnoseError> {
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     Ok(Scene {
@@ -260,7 +260,8 @@ fn scene<'a>(
         travel_m: travelled(machine, trained),
         duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
         lowest_pa: lowest_pressure(machine, trained)?,
-        held,
+        held: &[],
+        changeable: &[],
     })
 }
 

@@ -50,6 +50,7 @@ pub fn read_absolute(file: &MachineFile, training: &[Recording], tick: Option<Ti
         duration_s: gauge.iter().map(Prepared::duration_s).fold(0.0, f64::max),
         lowest_pa: f64::INFINITY,
         held: &[],
+        changeable: &[],
     };
     let base = base_parameters(file);
     let near = Candidate::tolerated(&scene, &base, &mut gauge)?;

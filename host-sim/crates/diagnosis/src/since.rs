@@ -6,7 +6,7 @@ use identification::fit::{Free, Freedom};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter};
 
-use crate::catalogue::{CATALOGUE, Hypothesis, covered_by};
+use crate::catalogue::{CATALOGUE, Hypothesis, covered_by, tolerance};
 use crate::diagnose::base_parameters;
 use crate::outcome::Diagnosis;
 
@@ -28,15 +28,24 @@ pub(crate) fn may_be_found(effect: &Hypothesis, on: &[&Hypothesis], changeable: 
 /// what else a fit leaves open, has not changed. Source: half of what a strength may be off by, chosen.
 const AMOUNT_KNOWN: f64 = 0.1;
 
+/// The amounts of effects that may have changed: those of which the machine file holds more than a tolerance.
+pub(crate) fn changeable(file: &MachineFile, held: &[&'static Hypothesis]) -> Vec<Parameter> {
+    let sheet = base_parameters(file);
+    let amounts = held.iter().flat_map(|effect| effect.amounts()).map(|amount| amount.parameter);
+    amounts.filter(|&amount| file.machine.get(amount).abs() > tolerance(&sheet, amount)).collect()
+}
+
 /// The base parameters once they were fitted, with the amounts that may have changed in the place of their tolerances.
-pub(crate) fn since_then(free: Vec<Free>, machine: &Machine<f64>, changeable: &[&'static Hypothesis]) -> Vec<Free> {
+pub(crate) fn since_then(
+    free: Vec<Free>,
+    machine: &Machine<f64>,
+    held: &[&'static Hypothesis],
+    changeable: &[Parameter],
+) -> Vec<Free> {
     let mut free: Vec<Free> = free.into_iter().map(once_fitted).collect();
-    let amounts = changeable.iter().flat_map(|effect| effect.effect_parameters()).filter(|own| own.is_amount());
-    for amount in amounts {
+    let amounts = held.iter().flat_map(|effect| effect.amounts());
+    for amount in amounts.filter(|amount| changeable.contains(&amount.parameter)) {
         let (parameter, value) = (amount.parameter, machine.get(amount.parameter));
-        if value == 0.0 {
-            continue;
-        }
         free.retain(|free| free.tolerance().is_none() || ![parameter, covered_by(parameter)].contains(&free.parameter));
         if !amount.is_jump() && free.iter().all(|free| free.parameter != parameter) {
             free.push(Free { parameter, freedom: Freedom::Near { nominal: value, most: AMOUNT_KNOWN * value.abs() } });
@@ -76,7 +85,8 @@ impl Diagnosis {
         after.start_at(self.level_at_rest);
         let of_effects = || self.findings.iter().flat_map(|finding| &finding.parameters);
         let found: BTreeSet<Parameter> = of_effects().map(|estimate| estimate.parameter).collect();
-        after.tolerance.retain(|parameter, _| !found.contains(parameter));
+        let covered: BTreeSet<Parameter> = found.iter().copied().map(covered_by).collect();
+        after.tolerance.retain(|parameter, _| !found.contains(parameter) && !covered.contains(parameter));
         after.given.extend(self.refitted.iter().chain(of_effects()).map(|estimate| estimate.parameter));
         after.effects.extend(self.unnamed.as_ref().map(|_| "unnamed"));
         after.effects.extend(self.findings.iter().map(|finding| finding.effect.name));

@@ -18,5 +18,6 @@ pub(crate) fn scene<'a>(machine: &'a Machine<f64>, judged: &'a [Signal]) -> Scen
         duration_s: 5.0,
         lowest_pa: -1e6,
         held: &[],
+        changeable: &[],
     }
 }

@@ -72,14 +72,16 @@ pub struct Scene<'a> {
     pub lowest_pa: f64,
     /// Effects that the machine file holds and that may have changed since it was written.
     pub held: &'a [&'static Hypothesis],
+    /// Their amounts, where there is more than a tolerance of them.
+    pub changeable: &'a [Parameter],
 }
 
 impl Scene<'_> {
-    /// How much there is of an effect that may have changed; 0 of any other.
+    /// How much there is of an effect that may have changed; 0 of any other, and of what is within its tolerance.
     #[must_use]
     pub fn before(&self, amount: &EffectParameter) -> f64 {
-        let is_held = |effect: &&Hypothesis| effect.amounts().any(|own| own.parameter == amount.parameter);
-        if amount.is_amount() && self.held.iter().any(is_held) { self.machine.get(amount.parameter) } else { 0.0 }
+        let is_held = self.changeable.contains(&amount.parameter);
+        if amount.is_amount() && is_held { self.machine.get(amount.parameter) } else { 0.0 }
     }
 
     /// Whether a form is one of an effect that may have changed.
@@ -250,7 +252,7 @@ impl Hypothesis {
     }
 
     /// Its effect parameters that say how much of it there is.
-    fn amounts(&self) -> impl Iterator<Item = &'static EffectParameter> {
+    pub(crate) fn amounts(&self) -> impl Iterator<Item = &'static EffectParameter> {
         self.effect_parameters().filter(|effect_parameter| effect_parameter.is_amount())
     }
 

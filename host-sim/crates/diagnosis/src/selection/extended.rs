@@ -19,7 +19,7 @@ pub fn extended(
     let Some(extension) = effect.extends else { return Ok(Vec::new()) };
     let given = fit.machine.get(extension.given);
     // What the plainer effect was before stays its own.
-    if scene.machine.get(extension.given) != 0.0 {
+    if scene.held.iter().any(|held| held.name == extension.plain) {
         return Ok(Vec::new());
     }
     let mut found = Vec::new();

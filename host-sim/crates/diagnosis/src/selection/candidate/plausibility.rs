@@ -127,6 +127,10 @@ impl Candidate {
     /// Whether it has used up the tolerance of an amount of a plain effect: only recordings that press for more come so far.
     pub(crate) fn presses(&self, question: &Question<'_>, effect: &Hypothesis, form: Form) -> bool {
         let used_up = |own: &EffectParameter| {
+            // What may have changed is no tolerance.
+            if question.scene.before(own) != 0.0 {
+                return false;
+            }
             let most = tolerance(question.base_parameters, own.parameter);
             own.is_amount() && most > 0.0 && self.fit.machine.get(covered_by(own.parameter)).abs() > USED_UP * most
         };
