@@ -11,7 +11,7 @@ use recording::{ChannelMap, Column, Format, PressureZero, Recording, Signal};
 use report::evidence::Exhibits;
 use report::{html, json, terminal};
 
-use super::console::{Console, Tone};
+use super::console::{Console, Progress, Tone};
 use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE};
 use super::error::CliError;
 use super::target::{check_apart, check_targets, write};
@@ -116,8 +116,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     bar.finish_and_clear();
     let doubts = doubts?;
     diagnose_then(&mut job, tick, console)?;
-    let steps = usize::try_from(steps(&job.file)).unwrap_or(usize::MAX);
-    let bar = console.progress(steps, "diagnosing");
+    let bar = progress(&job.file, "diagnosing", console);
     let diagnosed = if arguments.since.is_empty() { diagnose } else { diagnose_since };
     let diagnosis = diagnosed(&job.file, &job.training, &job.held_out, tick, &|_| bar.inc(1));
     bar.finish_and_clear();
@@ -160,13 +159,18 @@ fn diagnose_then(job: &mut Job, tick: Option<Tick>, console: &Console<'_>) -> Re
     if job.then.is_empty() {
         return Ok(());
     }
-    let bar = console.progress(usize::try_from(steps(&job.file)).unwrap_or(usize::MAX), "diagnosing then");
+    let bar = progress(&job.file, "diagnosing then", console);
     let then = diagnose(&job.file, &job.then, &[], tick, &|_| bar.inc(1));
     bar.finish_and_clear();
     let then = then.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause })?;
     console.note(format_args!("then: {}", terminal::sentence(&then)));
     job.file = then.machine_file(&job.file);
     Ok(())
+}
+
+/// A bar over the steps of a diagnosis.
+fn progress(file: &MachineFile, doing: &'static str, console: &Console<'_>) -> Progress {
+    console.progress(usize::try_from(steps(file)).unwrap_or(usize::MAX), doing)
 }
 
 const fn tone(verdict: Verdict) -> Tone {

@@ -12,6 +12,7 @@ mod recordings;
 mod table;
 mod worn;
 
+use std::ops::Range;
 use std::path::Path;
 use std::time::Instant;
 
@@ -175,15 +176,20 @@ fn the_study() -> Vec<(Matter, u64)> {
     Matter::all().flat_map(|matter| (0..matter.cases()).map(move |number| (matter, number))).collect()
 }
 
-/// The part of the study that `HALL` names; `worn` stands for every worn part.
-fn named_part(part: &str) -> Vec<(Matter, u64)> {
+/// A kind, and the numbers of its cases.
+fn name_and_numbers(part: &str) -> (&str, Range<u64>) {
     let mut words = part.split_whitespace();
     let name = words.next().expect(NAMES);
+    let mut number = || words.next().and_then(|word| word.parse().ok()).expect(NAMES);
+    (name, number()..number())
+}
+
+/// The part of the study that `HALL` names; `worn` stands for every worn part.
+fn named_part(part: &str) -> Vec<(Matter, u64)> {
+    let (name, numbers) = name_and_numbers(part);
     let of = |matter: &Matter| matter.name() == name || name == "worn" && matches!(matter, Matter::Within(_));
     let matters: Vec<Matter> = Matter::all().filter(of).collect();
     assert!(!matters.is_empty(), "{NAMES}");
-    let mut number = || words.next().and_then(|word| word.parse().ok()).expect(NAMES);
-    let numbers = number()..number();
     matters.into_iter().flat_map(|matter| numbers.clone().map(move |number| (matter, number))).collect()
 }
 
@@ -262,10 +268,7 @@ fn of_these_drives_nothing_is_said_to_be_missing_that_is_not() {
 #[ignore = "an hour or two"]
 fn of_drives_that_were_recorded_again_what_has_changed_is_named_and_what_has_not_is_not() {
     if let Ok(part) = std::env::var("LATER") {
-        let mut words = part.split_whitespace();
-        let name = words.next().expect(NAMES);
-        let mut number = || words.next().and_then(|word| word.parse().ok()).expect(NAMES);
-        let numbers: std::ops::Range<u64> = number()..number();
+        let (name, numbers) = name_and_numbers(&part);
         let parts = later::parts().filter(|worn| worn.name() == name || name == "all");
         let pairs: Vec<_> = parts.flat_map(|worn| numbers.clone().map(move |number| (worn, number))).collect();
         println!("{}", later::table(&later::all(&pairs)));

@@ -70,7 +70,7 @@ pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
 /// How many progress steps a diagnosis of this machine takes at least.
 #[must_use]
 pub fn steps(file: &MachineFile) -> u64 {
-    1 + (CATALOGUE.len() - held(file).len()) as u64
+    1 + (CATALOGUE.len() - held(file, &base_parameters(file)).len()) as u64
 }
 
 /// Diagnoses a drive from training recordings, and confirms on held-out ones.
@@ -101,7 +101,7 @@ pub fn diagnose(
     tick: Option<Tick>,
     progress: Progress<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    diagnosed(file, None, (training, held_out), tick, progress)
+    diagnosed(file, false, (training, held_out), tick, progress)
 }
 
 /// Diagnoses what has changed since a machine file was written: the effects that it holds may have become more or less, and each that has is a finding.
@@ -112,26 +112,26 @@ pub fn diagnose_since(
     tick: Option<Tick>,
     progress: Progress<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    diagnosed(file, Some(held(file)), (training, held_out), tick, progress)
+    diagnosed(file, true, (training, held_out), tick, progress)
 }
 
-/// Diagnoses a drive; `since` are the effects of the machine file that may have changed, where that is asked.
+/// Diagnoses a drive, or where that is asked what has changed of it since.
 fn diagnosed(
     file: &MachineFile,
-    since: Option<Vec<&'static Hypothesis>>,
+    asks_since: bool,
     (training, held_out): (&[Recording], &[Recording]),
     tick: Option<Tick>,
     progress: Progress<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let on = held(file);
     let (mut trained, mut held) = prepared(file, training, held_out, tick)?;
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     check_entries(&trained, &held)?;
 
-    let since_held = since.as_deref().unwrap_or_default();
-    let changeable = changeable(file, since_held);
     let sheet = base_parameters(file);
-    let free = if since.is_some() { since_then(sheet, &file.machine, since_held, &changeable) } else { sheet };
+    let on = self::held(file, &sheet);
+    let since_held = if asks_since { on.as_slice() } else { &[] };
+    let changeable = changeable(&file.machine, &sheet, since_held);
+    let free = if asks_since { since_then(&sheet, &file.machine, &changeable) } else { sheet };
     let valve = SettledValve::of(&file.machine, &free, &trained)?;
     let machine = valve.as_ref().map_or(&file.machine, |valve| &valve.machine);
     let base_parameters = valve.as_ref().map_or(free.as_slice(), |valve| &valve.free);
@@ -205,7 +205,7 @@ fn diagnosed(
     let of_spool = valve.map(|valve| valve.estimates).unwrap_or_default();
     Ok(Diagnosis {
         machine: file.name.clone(),
-        since,
+        since: asks_since.then(|| on.clone()),
         doubts: Vec::new(),
         verdict,
         located,

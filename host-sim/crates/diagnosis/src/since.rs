@@ -1,27 +1,23 @@
 //! What has changed since a machine file was written, or since recordings were made: the effects that a file holds may have become more or less.
 
-use std::collections::BTreeSet;
-
 use identification::fit::{Free, Freedom};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter};
 
-use crate::catalogue::{CATALOGUE, Hypothesis, covered_by, tolerance};
-use crate::diagnose::base_parameters;
+use crate::catalogue::{CATALOGUE, EffectParameter, Hypothesis, covered_by, tolerance};
 use crate::outcome::Diagnosis;
 
-/// The effects that a machine file holds, beyond what is a tolerance in it.
-pub(crate) fn held(file: &MachineFile) -> Vec<&'static Hypothesis> {
-    let base_parameters = base_parameters(file);
-    CATALOGUE.iter().copied().filter(|effect| effect.is_on(&file.machine, &base_parameters)).collect()
+/// The effects that a machine file holds, beyond what is a tolerance by its `sheet` of base parameters.
+pub(crate) fn held(file: &MachineFile, sheet: &[Free]) -> Vec<&'static Hypothesis> {
+    CATALOGUE.iter().copied().filter(|effect| effect.is_on(&file.machine, sheet)).collect()
 }
 
 /// Whether an effect may be found beside those that are on: none of them, but where it may have changed. What has become more of it is not given to
 /// another effect of its kind.
-pub(crate) fn may_be_found(effect: &Hypothesis, on: &[&Hypothesis], changeable: &[&Hypothesis]) -> bool {
+pub(crate) fn may_be_found(effect: &Hypothesis, on: &[&Hypothesis], held: &[&Hypothesis]) -> bool {
     let is_it = |other: &&Hypothesis| other.name == effect.name;
     let is_of_its_kind = |other: &&Hypothesis| other.plainest() == effect.plainest();
-    if on.iter().any(is_it) { changeable.iter().any(is_it) } else { !changeable.iter().any(is_of_its_kind) }
+    if on.iter().any(is_it) { held.iter().any(is_it) } else { !held.iter().any(is_of_its_kind) }
 }
 
 /// An amount of an effect that a machine file holds is known to this share of itself: what differs by less, from one recording of a drive to another or by
@@ -29,22 +25,19 @@ pub(crate) fn may_be_found(effect: &Hypothesis, on: &[&Hypothesis], changeable: 
 const AMOUNT_KNOWN: f64 = 0.1;
 
 /// The amounts of effects that may have changed: those of which the machine file holds more than a tolerance.
-pub(crate) fn changeable(file: &MachineFile, held: &[&'static Hypothesis]) -> Vec<Parameter> {
-    let sheet = base_parameters(file);
-    let amounts = held.iter().flat_map(|effect| effect.amounts()).map(|amount| amount.parameter);
-    amounts.filter(|&amount| file.machine.get(amount).abs() > tolerance(&sheet, amount)).collect()
+pub(crate) fn changeable(
+    machine: &Machine<f64>,
+    sheet: &[Free],
+    held: &[&'static Hypothesis],
+) -> Vec<&'static EffectParameter> {
+    let amounts = held.iter().flat_map(|effect| effect.amounts());
+    amounts.filter(|amount| machine.get(amount.parameter).abs() > tolerance(sheet, amount.parameter)).collect()
 }
 
 /// The base parameters once they were fitted, with the amounts that may have changed in the place of their tolerances.
-pub(crate) fn since_then(
-    free: Vec<Free>,
-    machine: &Machine<f64>,
-    held: &[&'static Hypothesis],
-    changeable: &[Parameter],
-) -> Vec<Free> {
-    let mut free: Vec<Free> = free.into_iter().map(once_fitted).collect();
-    let amounts = held.iter().flat_map(|effect| effect.amounts());
-    for amount in amounts.filter(|amount| changeable.contains(&amount.parameter)) {
+pub(crate) fn since_then(sheet: &[Free], machine: &Machine<f64>, changeable: &[&EffectParameter]) -> Vec<Free> {
+    let mut free: Vec<Free> = sheet.iter().copied().map(once_fitted).collect();
+    for amount in changeable {
         let (parameter, value) = (amount.parameter, machine.get(amount.parameter));
         free.retain(|free| free.tolerance().is_none() || ![parameter, covered_by(parameter)].contains(&free.parameter));
         if !amount.is_jump() && free.iter().all(|free| free.parameter != parameter) {
@@ -83,11 +76,12 @@ impl Diagnosis {
         let mut after = before.clone();
         after.machine = self.machine_after;
         after.start_at(self.level_at_rest);
-        let of_effects = || self.findings.iter().flat_map(|finding| &finding.parameters);
-        let found: BTreeSet<Parameter> = of_effects().map(|estimate| estimate.parameter).collect();
-        let covered: BTreeSet<Parameter> = found.iter().copied().map(covered_by).collect();
-        after.tolerance.retain(|parameter, _| !found.contains(parameter) && !covered.contains(parameter));
-        after.given.extend(self.refitted.iter().chain(of_effects()).map(|estimate| estimate.parameter));
+        let of_effects =
+            || self.findings.iter().flat_map(|finding| &finding.parameters).map(|estimate| estimate.parameter);
+        after.given.extend(self.refitted.iter().map(|estimate| estimate.parameter).chain(of_effects()));
+        for parameter in of_effects().flat_map(|parameter| [parameter, covered_by(parameter)]) {
+            after.tolerance.remove(&parameter);
+        }
         after.effects.extend(self.unnamed.as_ref().map(|_| "unnamed"));
         after.effects.extend(self.findings.iter().map(|finding| finding.effect.name));
         after

@@ -73,15 +73,18 @@ pub struct Scene<'a> {
     /// Effects that the machine file holds and that may have changed since it was written.
     pub held: &'a [&'static Hypothesis],
     /// Their amounts, where there is more than a tolerance of them.
-    pub changeable: &'a [Parameter],
+    pub changeable: &'a [&'static EffectParameter],
 }
 
 impl Scene<'_> {
     /// How much there is of an effect that may have changed; 0 of any other, and of what is within its tolerance.
     #[must_use]
     pub fn before(&self, amount: &EffectParameter) -> f64 {
-        let is_held = self.changeable.contains(&amount.parameter);
-        if amount.is_amount() && is_held { self.machine.get(amount.parameter) } else { 0.0 }
+        if self.changeable.iter().any(|own| own.parameter == amount.parameter) {
+            self.machine.get(amount.parameter)
+        } else {
+            0.0
+        }
     }
 
     /// Whether a form is one of an effect that may have changed.
