@@ -14,6 +14,7 @@ mod faults;
 mod hall;
 mod in_a_hall;
 mod long;
+mod measured_force;
 mod oil;
 mod once;
 mod outside;

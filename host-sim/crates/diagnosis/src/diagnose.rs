@@ -16,12 +16,13 @@ use simulation::signal::noise::extent;
 use simulation::simulate_f64;
 
 use crate::agreement::far_values;
-use crate::asked::Asked;
+use crate::asked::{Asked, Beside};
 use crate::before_after::show_all;
 use crate::catalogue::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::correction_table::improved;
 use crate::decision::{Decision, decide};
 use crate::ending::{Ending, missed_in};
+use crate::gains;
 use crate::localisation::locate::locate;
 use crate::localisation::{Case, Location, Miss, Sought, misses};
 use crate::outcome::{Diagnosis, Verdict};
@@ -29,7 +30,7 @@ use crate::selection::candidate::Reference;
 use crate::selection::decision_rule::{BELOW_VACUUM_PA, NEAR_TANK_PA};
 use crate::selection::excerpt::Excerpt;
 use crate::selection::screen::Lead;
-use crate::selection::{Candidate, Question};
+use crate::selection::{Candidate, Question, Selection};
 use crate::settled_valve::SettledValve;
 use crate::since::{changeable, held, may_be_found, since_then};
 
@@ -140,8 +141,7 @@ fn diagnosed(
     let (hypotheses, not_testable) = hypotheses(&scene, &on, valve.is_some());
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, base_parameters, hypotheses: &hypotheses };
-    let mut selection = asked.selected(&mut trained, excerpt.as_mut(), progress)?;
-    let beside = if excerpt.is_none() { asked.outside(&selection, &trained, &held, progress)? } else { None };
+    let (mut selection, decided, beside) = searched(asked, (&mut trained, &held), excerpt.as_mut(), progress)?;
     let (plain, outside) = beside
         .map(|beside| {
             let trained = mem::replace(&mut trained, beside.trained);
@@ -153,8 +153,8 @@ fn diagnosed(
 
     let references: Vec<&Prepared> = trained.iter().collect();
     let opened: Vec<&Prepared> = held.iter().collect();
-    let Decision { findings, not_confirmed, confirmation, after, estimates } =
-        decide(&asked.of(&references), &mut selection, &opened)?;
+    let decided = decided.map_or_else(|| decide(&asked.of(&references), &mut selection, &opened), Ok)?;
+    let Decision { findings, not_confirmed, confirmation, after, estimates } = decided;
     // Where and how the misfit looks is told of the model without a force from outside.
     let (plain_base, without, held_without) = plain.as_ref().map_or_else(
         || (&selection.base, references.clone(), opened.clone()),
@@ -228,6 +228,23 @@ fn diagnosed(
         not_testable,
         selection,
     })
+}
+
+/// What free runs choose, and what they choose beside a cause from outside; or what the gains of a drive that is entered at a measured force say, which is
+/// decided already.
+fn searched(
+    asked: Asked<'_>,
+    (trained, held): (&mut [Prepared], &[Prepared]),
+    mut excerpt: Option<&mut Excerpt>,
+    progress: Progress<'_>,
+) -> Result<(Selection, Option<Decision>, Option<Beside>), FitError> {
+    let selection = asked.selected(trained, excerpt.as_deref_mut(), progress)?;
+    if let Some((selection, decision)) = gains::found(asked, &selection, (trained, held), excerpt.as_deref(), progress)?
+    {
+        return Ok((selection, Some(decision), None));
+    }
+    let beside = if excerpt.is_none() { asked.outside(&selection, trained, held, progress)? } else { None };
+    Ok((selection, None, beside))
 }
 
 /// The training and the held-out recordings, of which each sensor is the same in all.

@@ -17,6 +17,7 @@ mod decision;
 mod diagnose;
 mod ending;
 mod finding;
+mod gains;
 pub mod localisation;
 mod outcome;
 pub mod outside;

@@ -1,15 +1,15 @@
 //! From a recording to what a fit and a verdict need of it: the stimulus, the judged signals, and the noise in each.
 
 use machine_file::LoadSource;
-use model_core::machine::{Machine, Parameter, Source, Tick};
+use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use recording::{Recording, Signal};
 use simulation::sensor_fault::{Failures, Mended, RangeEnd, Stretch, bridged};
 use simulation::signal::noise::{extent, noise, resolution};
-use simulation::{InputPoint, SimulateError, Start, Stimulus, first_input_point, natural_tick};
+use simulation::{InputPoint, SimulateError, Start, Stimulus, Whitening, first_input_point, natural_tick};
 
 use crate::compare::judged;
 use crate::error::CompareError;
-use crate::input_noise::at_most_by_noise_of_input;
+use crate::input_noise::{at_most_by_noise_of_input, at_most_in_gains};
 
 /// One measured signal that a simulation is compared with.
 #[derive(Clone, Debug, PartialEq)]
@@ -249,6 +249,41 @@ impl Prepared {
         let is_judged = self.channels.iter().any(|channel| channel.signal == Signal::Spool);
         let stimulus = self.stimulus.following().filter(|_| is_judged)?;
         Some(Self { stimulus, ..self.clone() })
+    }
+
+    /// The same recording, entered at a measured force, judged by what velocity and position gain over each of so many seconds (see [`Whitening`]), while a
+    /// wrong velocity decays with the time constant `memory_s`; `None` where neither is judged or the recording is too short. Its rows are the gains.
+    pub fn whitened(&self, machine: &Machine<f64>, block_s: f64, memory_s: f64) -> Result<Option<Self>, MachineError> {
+        /// Below this, two dozen values that each say something are not to be had.
+        const FEWEST: usize = 24;
+        let whitening = Whitening::new(&self.time_s, block_s, memory_s);
+        let case = self.judged_by(|signal| matches!(signal, Signal::Position | Signal::Velocity));
+        if case.channels.is_empty() || whitening.gains() < FEWEST {
+            return Ok(None);
+        }
+        let gains = |channel: &JudgedSignal| JudgedSignal {
+            signal: channel.signal,
+            recorded: whitening.gains_of(channel.signal, &channel.bridged()),
+            tolerance: 1.0,
+            failed: whitening.any(&channel.failed),
+            stretches: Vec::new(),
+            ends: Vec::new(),
+            noise: channel.own_noise() * whitening.noise_of(channel.signal),
+            input_noise: 0.0,
+        };
+        let mut whitened = Self {
+            time_s: whitening.at_ends(&self.time_s),
+            channels: case.channels.iter().map(gains).collect(),
+            failures: Vec::new(),
+            unsettled: 0,
+            stimulus: self.stimulus.whitened(whitening),
+            ..case
+        };
+        let added = at_most_in_gains(&whitened, machine)?;
+        for (channel, added) in whitened.channels.iter_mut().zip(added) {
+            channel.add_input_noise(added);
+        }
+        Ok(Some(whitened))
     }
 
     /// The same recording judged by some of its signals only.

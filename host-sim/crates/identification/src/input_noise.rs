@@ -9,9 +9,10 @@ use recording::seeded_noise::Noise;
 use recording::{Recording, Signal};
 use simulation::sensor_fault::{MEASURED, Mended};
 use simulation::signal::noise::{noise, resolution};
-use simulation::{SimulateError, StartOffset, Stimulus, Trajectory, simulate_f64};
+use simulation::{Run, SimulateError, StartOffset, Stimulus, Trajectory, simulate_f64};
 
 use crate::experiment::Prepared;
+use crate::fit::residuals::simulated;
 
 /// Fewest rows that are simulated again, where a recording is short: a single random walk may be anywhere.
 const ROWS_AGAIN: usize = 400_000;
@@ -83,6 +84,25 @@ pub(crate) fn at_most_by_noise_of_input(case: &Prepared, machine: &Machine<f64>)
         }
     }
     Ok(most)
+}
+
+/// The same for a whitened recording, in what its signals gain.
+pub(crate) fn at_most_in_gains(case: &Prepared, machine: &Machine<f64>) -> Result<Vec<f64>, MachineError> {
+    let draws = realisations(case.stimulus.rows()) as u64;
+    let disturbed = |seed| {
+        let mut noise = Noise::new(1, seed);
+        case.stimulus.disturbed(|| noise.gaussian(case.input_noise))
+    };
+    let stimuli: Vec<Stimulus> = [case.stimulus.clone()].into_iter().chain((0..draws).map(disturbed)).collect();
+    let run = |stimulus| Run { stimulus, offset: StartOffset::none(), signals: signals(case) };
+    let gained = simulated(machine, &stimuli.iter().map(run).collect::<Vec<_>>(), |_| true)?;
+    let channels = case.channels.len();
+    let Some((quiet, loud)) = gained.split_first() else { return Ok(vec![0.0; channels]) };
+    let off_by = |channel: usize, loud: &Vec<f64>| {
+        let errors = loud.iter().zip(quiet).skip(channel).step_by(channels).map(|(loud, quiet)| (loud - quiet).powi(2));
+        (errors.sum::<f64>() / case.rows() as f64).sqrt()
+    };
+    Ok((0..channels).map(|channel| loud.iter().map(|loud| off_by(channel, loud)).fold(0.0, f64::max)).collect())
 }
 
 fn signals(case: &Prepared) -> Vec<Signal> {

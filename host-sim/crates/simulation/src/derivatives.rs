@@ -4,9 +4,10 @@ use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
 
 use crate::initial_state::{Offset, StartOffset};
-use crate::number::dual::{BLOCK, Dual};
+use crate::number::dual::{BLOCK, Dual, single};
 use crate::run::run;
 use crate::stimulus::Stimulus;
+use crate::whitening::Gaining;
 
 /// Number of derivatives in the largest dual number: for every parameter, and for the level and the shift of a start.
 const MOST_SLOTS: usize = 64;
@@ -52,7 +53,25 @@ pub type Derived<'a> = Option<(f64, &'a [f32])>;
 impl Derivatives<'_> {
     /// Runs once and hands every wanted signal to `sink`, row by row, with its index among the wanted signals; `None` where
     /// the model does not compute it. The values equal those of an f64 run to the last bit.
+    ///
+    /// Where the stimulus is whitened, it gets what they gain in place of what they are: the index of the gain in place of the row.
     pub fn run(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
+        let Some(whitening) = &self.stimulus.whitening else { return self.row_by_row(sink) };
+        let width = self.by.len() + OF_START;
+        let of = |&signal: &Signal| Gaining::of_signal(whitening, signal, width + 1);
+        let mut gaining: Vec<Gaining<'_>> = self.signals.iter().map(of).collect();
+        let mut derivatives = vec![0.0_f32; width];
+        self.row_by_row(&mut |row, place, derived| {
+            let Some((value, partials)) = derived else { return sink(row, place, None) };
+            let together = [value].into_iter().chain(partials.iter().copied().map(f64::from));
+            if let Some((gain, [value, slopes @ ..])) = gaining[place].take(together) {
+                derivatives.iter_mut().zip(slopes).for_each(|(to, slope)| *to = single(*slope));
+                sink(gain, place, Some((*value, &derivatives)));
+            }
+        })
+    }
+
+    fn row_by_row(&self, sink: &mut dyn FnMut(usize, usize, Derived<'_>)) -> Result<(), MachineError> {
         match self.by.len() {
             0..=14 => self.in_vectors::<2>(sink),
             15..=22 => self.in_vectors::<3>(sink),

@@ -17,6 +17,7 @@ use crate::outflow::Edges;
 use crate::run::{Rows, reading, run, through_valve, unbraked};
 use crate::sensor_bias::{true_spool, within};
 use crate::stimulus::{InputPoint, Stimulus, value_at};
+use crate::whitening::Gaining;
 
 /// The simulation of one recording.
 #[derive(Clone, Debug)]
@@ -31,7 +32,27 @@ pub struct Run<'a> {
 
 /// Runs the core over several stimuli, and hands each recorded row's signals to `sink`: index of the run, row, and the values in SI units, 0
 /// for what the model does not compute. The rows of one run come in order; each value equals that of `run` to the last bit.
+///
+/// Where a stimulus is whitened, it gets what the signals gain in place of the signals: the index of the gain in place of the row.
 pub fn run_in_lanes(
+    machine: &Machine<f64>,
+    runs: &[Run<'_>],
+    sink: &mut dyn FnMut(usize, usize, &[f64]),
+) -> Result<(), MachineError> {
+    let mut gaining: Vec<Option<Gaining<'_>>> =
+        runs.iter().map(|run| Some(Gaining::of_signals(run.stimulus.whitening.as_ref()?, &run.signals))).collect();
+    rows_in_lanes(machine, runs, &mut |run, row, values| match &mut gaining[run] {
+        None => sink(run, row, values),
+        Some(gaining) => {
+            if let Some((gain, values)) = gaining.take(values.iter().copied()) {
+                sink(run, gain, values);
+            }
+        }
+    })
+}
+
+/// The same row by row, whitened or not.
+fn rows_in_lanes(
     machine: &Machine<f64>,
     runs: &[Run<'_>],
     sink: &mut dyn FnMut(usize, usize, &[f64]),

@@ -27,6 +27,7 @@ pub mod signal;
 mod start_in_motion;
 mod stepper;
 mod stimulus;
+mod whitening;
 
 pub use arithmetic::Arithmetic;
 pub use derivatives::{By, Derivatives, Derived, MOST_PARAMETERS, OF_START};
@@ -41,3 +42,4 @@ pub use start_in_motion::SpoolAtStart;
 pub use stepper::{Inputs, Kept, Live, OtherArithmetic};
 pub use stimulus::coarse::Coarser;
 pub use stimulus::{InputPoint, Stimulus, first_input_point, natural_tick};
+pub use whitening::Whitening;

@@ -60,6 +60,12 @@ impl Excerpt {
         Ok(Some(Self { of, recordings, cases }))
     }
 
+    /// The same with its parts prepared in another way.
+    #[must_use]
+    pub fn with(&self, cases: Vec<Prepared>) -> Self {
+        Self { cases, ..self.clone() }
+    }
+
     /// Initial states of all `recordings`: `starts` for those in the excerpt, for the others the default from machine and recording.
     #[must_use]
     pub fn starts_of_all(&self, starts: &[StartState], recordings: usize) -> Vec<StartState> {

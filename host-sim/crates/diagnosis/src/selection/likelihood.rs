@@ -61,7 +61,10 @@ fn order(candidate: &Candidate) -> Vec<usize> {
 }
 
 /// Puts a candidate model with the plainer effect before the one with its extension, where the extension does not earn its additional parameters.
-pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
+///
+/// What only takes away a part is worth no finer name where a real machine's own roughness is all that is left: of a drive entered at a measured force, an extension has
+/// to take most of what the plainer effect leaves.
+pub(crate) fn prefer_plain(question: &Question<'_>, base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
     let Some((best, best_net)) = ranked.first() else { return };
     let most = misfit_above_noise(&base.residuals);
     let plainer = ranked.iter().position(|(candidate, net)| {
@@ -75,7 +78,7 @@ pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>)
         });
         let (left, leaves) = (misfit_above_noise(&candidate.residuals), misfit_above_noise(&best.residuals));
         let earned = best_net - net > EXTENSION_GAINS
-            && (left - leaves > EXTENSION_EXPLAINS * most || is_earned(candidate, best));
+            && ((!question.is_whitened() && left - leaves > EXTENSION_EXPLAINS * most) || is_earned(candidate, best));
         extended && !earned
     });
     if let Some(index) = plainer {
@@ -168,15 +171,22 @@ pub(crate) fn accepts(
         // Parameters that come back may pay for the effect parameters, but the recordings themselves have to gain as well.
         gained.all > RECORDINGS_GAIN && gained.all + straightened(question, without, with) > penalty && gained.repeats
     };
-    if pays(&Gained::of(&without.left_out(question)?, &with.left_out(question)?, counts)) {
+    let gained = |without: &Residuals, with: &Residuals| {
+        if question.is_whitened() {
+            Gained::of_whitened(without, with, counts)
+        } else {
+            Gained::of(without, with, counts)
+        }
+    };
+    if pays(&gained(&without.left_out(question)?, &with.left_out(question)?)) {
         return Ok(true);
     }
     // One step is inaccurate where much depends on the recording that was left out; with very many recordings little depends on each.
     if question.training.len() > MOST_REFITTED_WITHOUT {
         return Ok(false);
     }
-    Ok(pays(&Gained::of(&without.residuals, &with.residuals, counts))
-        && pays(&Gained::of(&without.left_out_refitted(question)?, &with.left_out_refitted(question)?, counts)))
+    Ok(pays(&gained(&without.residuals, &with.residuals))
+        && pays(&gained(&without.left_out_refitted(question)?, &with.left_out_refitted(question)?)))
 }
 
 /// What recordings gain by the residuals `after` over those `before`.
@@ -191,11 +201,20 @@ pub(crate) struct Gained {
 
 impl Gained {
     pub(crate) fn of(before: &Residuals, after: &Residuals, counts: Counts) -> Self {
+        Self::by(before, after, |before, after| independent(before, after, counts))
+    }
+
+    /// The same of whitened residuals: what lasts in them beyond a block is what a model lacks, so the better one counts their samples.
+    fn of_whitened(before: &Residuals, after: &Residuals, counts: Counts) -> Self {
+        Self::by(before, after, |before, after| counts(if loss(after) < loss(before) { after } else { before }))
+    }
+
+    fn by(before: &Residuals, after: &Residuals, independent: impl Fn(&[f64], &[f64]) -> f64) -> Self {
         let mut samples = 0.0;
         let mut on = |before: &[Vec<f64>], after: &[Vec<f64>]| -> f64 {
             let channels = before.iter().zip(after);
             let gains = channels.map(|(before, after)| {
-                let independent = independent(before, after, counts);
+                let independent = independent(before, after);
                 samples += independent;
                 gained_by(independent, before, after)
             });

@@ -35,6 +35,8 @@ pub fn coarse(
 /// A recording at twice the tick, given what is simulated at its own tick (`fine`) and at twice that (`rough`).
 fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine: &[f64], rough: &[f64]) -> Prepared {
     let channels = case.channels.len();
+    // What a whitened recording is judged by are its gains, which stay as many.
+    let kept = if stimulus.is_whitened() { (0..case.rows()).collect() } else { kept };
     // Fewer rows have to weigh as much as all of them.
     let weight = (kept.len() as f64 / case.rows() as f64).sqrt();
     let channel = |(index, channel): (usize, &JudgedSignal)| JudgedSignal {

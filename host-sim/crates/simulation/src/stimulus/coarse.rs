@@ -54,6 +54,7 @@ impl Stimulus {
             oil_c: points(&self.oil_c),
             damping: self.damping,
             rows,
+            whitening: self.whitening.as_ref().map(|whitening| whitening.of_kept(&kept)),
         };
         Some(Coarser { stimulus, kept })
     }

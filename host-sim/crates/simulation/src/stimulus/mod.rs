@@ -20,6 +20,7 @@ use crate::error::SimulateError;
 use crate::grid::{Grid, Origin};
 use crate::recorded_start::{Start, start};
 use crate::sensor_fault::Mended;
+use crate::whitening::Whitening;
 
 pub use crate::input_point::InputPoint;
 
@@ -63,6 +64,8 @@ pub struct Stimulus {
     pub(crate) damping: Option<f64>,
     /// For each recorded row: the grid point at or before it, and its position towards the next point, 0..1.
     pub(crate) rows: Vec<(usize, f64)>,
+    /// Where what signals gain is judged in place of what they are.
+    pub(crate) whitening: Option<Whitening>,
 }
 
 /// The drive input furthest upstream that a recording allows for a machine's oil source.
@@ -181,6 +184,7 @@ impl Stimulus {
             oil_c: recording.signal(Signal::OilTemperature).map(|temperature| grid.points(temperature)),
             damping,
             rows: grid.rows,
+            whitening: None,
         })
     }
 
@@ -215,6 +219,18 @@ impl Stimulus {
             }
         }
         disturbed
+    }
+
+    /// The same, of which runs yield what signals gain in place of what they are.
+    #[must_use]
+    pub fn whitened(&self, whitening: Whitening) -> Self {
+        Self { whitening: Some(whitening), ..self.clone() }
+    }
+
+    /// Whether runs of it yield what signals gain.
+    #[must_use]
+    pub fn is_whitened(&self) -> bool {
+        self.whitening.is_some()
     }
 
     /// The same with every row read half a row's interval earlier: midway between two recorded rows.

@@ -42,6 +42,11 @@ impl Question<'_> {
         self.base_parameters.iter().any(|free| free.tolerance().is_some())
     }
 
+    /// Whether the recordings are judged by what their signals gain, as of a drive that is entered at a measured force.
+    pub(crate) fn is_whitened(&self) -> bool {
+        self.training.iter().any(|case| case.stimulus.is_whitened())
+    }
+
     /// Times its noise from which a model that no accepted effect mends is unexplained.
     pub(crate) fn unexplained_from(&self) -> f64 {
         if self.has_tolerances() { UNEXPLAINED_BY_SHEET_FROM } else { UNEXPLAINED_FROM }
@@ -168,7 +173,7 @@ impl Candidate {
 
     /// Refitted to the end.
     pub fn finished(&self, question: &Question<'_>) -> Result<Self, FitError> {
-        self.again_from(question, &[])?.unstuck(question)
+        self.again_from(question, &[])?.unstuck(question)?.or_with_more_or_less(question)
     }
 
     /// Refitted to the end from its own solution, except for these starting values.

@@ -1,0 +1,145 @@
+//! Axes that are driven by a measured force, of equations of this file's own: their guides are rough, so no model follows them to the sensors' noise, and the free
+//! run drifts for seconds after each newton that it lacks.
+
+use std::f64::consts::TAU;
+
+use diagnosis::{Diagnosis, Verdict, diagnose};
+use machine_file::MachineFile;
+use model_core::machine::Parameter;
+use recording::{ChannelMap, Column, Recording, Signal};
+
+use super::bed::Dice;
+
+/// An axis: a mass on a guide.
+#[derive(Clone, Copy)]
+struct Axis {
+    mass_kg: f64,
+    viscous_n_s_per_m: f64,
+    coulomb_n: f64,
+    /// What the guide's force differs by along the way.
+    rough_n: f64,
+    seed: u64,
+}
+
+impl Axis {
+    /// Follows strokes of a trapezoidal speed under a position controller for eight seconds; time, measured force, position and velocity at 1 kHz.
+    fn recorded(&self, run: u64, judged: &[Signal]) -> Recording {
+        const STEP_S: f64 = 1e-4;
+        let mut dice = Dice::new(self.seed);
+        let waves: Vec<(f64, f64)> = [7e-3, 0.019, 0.053].map(|length| (length, dice.between(0.0, TAU))).to_vec();
+        let mut dice = Dice::new(100 * self.seed + run);
+        let strokes: Vec<(f64, f64)> = (0..8).map(|_| (dice.between(0.01, 0.24), dice.between(0.08, 0.35))).collect();
+        let (mut at, mut v, mut wanted) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let mut rows = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for step in 0..80_000_u32 {
+            let time_s = f64::from(step) * STEP_S;
+            let (to, speed) = strokes[(step / 10_000) as usize];
+            wanted += (to - wanted).clamp(-speed * STEP_S, speed * STEP_S);
+            let applied = 1.5e4 * (wanted - at) - 900.0 * v;
+            let rough = waves.iter().map(|(length, phase)| (TAU * at / length + phase).sin()).sum::<f64>();
+            let pushed = applied - self.viscous_n_s_per_m * v - self.rough_n * rough / 1.2;
+            if step % 10 == 0 {
+                rows.0.push(time_s);
+                rows.1.push(applied + dice.between(-0.5, 0.5));
+                rows.2.push((at / 1e-6).round() * 1e-6);
+                rows.3.push(v + dice.between(-2e-4, 2e-4));
+            }
+            if v.abs() < 1e-9 && pushed.abs() <= self.coulomb_n {
+                v = 0.0;
+            } else {
+                let way = if v.abs() < 1e-9 { pushed.signum() } else { v.signum() };
+                let next = v + (pushed - self.coulomb_n * way) / self.mass_kg * STEP_S;
+                // Dry friction stops a rod and does not turn it.
+                v = if next * v < 0.0 { 0.0 } else { next };
+            }
+            at += v * STEP_S;
+        }
+        let (time_s, force, position, velocity) = rows;
+        let mut columns = vec![Column::si(Signal::Time, time_s), Column::si(Signal::Force, force)];
+        for signal in judged {
+            columns.push(Column::si(
+                *signal,
+                if *signal == Signal::Position { position.clone() } else { velocity.clone() },
+            ));
+        }
+        Recording::new(&format!("run-{run}"), columns).unwrap()
+    }
+
+    fn diagnosed(&self, file: &MachineFile, judged: &[Signal]) -> Diagnosis {
+        let [training, held_out] = [[1, 2], [3, 4]].map(|runs| runs.map(|run| self.recorded(run, judged)));
+        diagnose(file, &training, &held_out, None, &|_| {}).unwrap()
+    }
+}
+
+/// A machine file in which viscous friction is guessed.
+fn file(viscous_n_s_per_m: f64) -> MachineFile {
+    let sheet = std::fs::read_to_string(super::root().join("tests/diagnosis/axis.toml")).unwrap();
+    machine_file::read_text("axis.toml", &sheet.replace("= 250.0", &format!("= {viscous_n_s_per_m:?}"))).unwrap()
+}
+
+const RUBS: Axis = Axis { mass_kg: 90.0, viscous_n_s_per_m: 210.0, coulomb_n: 22.0, rough_n: 1.5, seed: 5 };
+
+#[test]
+fn dry_friction_of_a_rough_guide_is_told_from_position_velocity_or_both_and_from_any_guess_of_the_viscous_one() {
+    let both = [Signal::Position, Signal::Velocity];
+    for (judged, guessed) in [(&both[..1], 90.0), (&both[..1], 400.0), (&both[1..], 250.0), (&both[..], 250.0)] {
+        let diagnosis = RUBS.diagnosed(&file(guessed), judged);
+        let value = |parameter| diagnosis.machine_after.get(parameter);
+        let found = [Parameter::CoulombFriction, Parameter::ViscousFriction, Parameter::MovingMass].map(value);
+        let names: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
+        println!("{judged:?}, {guessed} N s/m: {names:?}, {found:.1?}");
+        assert_eq!(names, ["coulomb-friction"], "{judged:?}");
+        for (found, truth) in found.into_iter().zip([RUBS.coulomb_n, RUBS.viscous_n_s_per_m, RUBS.mass_kg]) {
+            assert!((found / truth - 1.0).abs() < 0.06, "{judged:?}, {guessed} N s/m: {found} instead of {truth}");
+        }
+    }
+}
+
+#[test]
+fn a_rough_guide_without_dry_friction_is_not_said_to_have_any() {
+    for seed in 1..=4 {
+        let rough_n = if seed % 2 == 0 { 3.0 } else { 1.5 };
+        let axis = Axis { coulomb_n: 0.0, rough_n, seed, ..RUBS };
+        let diagnosis = axis.diagnosed(&file(250.0), &[Signal::Position]);
+        let names: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
+        println!("seed {seed}: {names:?}, {:?}", diagnosis.verdict);
+        assert_ne!(diagnosis.verdict, Verdict::MissingPhysics, "seed {seed}: {names:?}");
+    }
+}
+
+/// The published values of two benchmarks of friction, see `../shared/data/README.md`.
+#[test]
+fn friction_of_real_axes_is_as_published_in_every_form_of_the_recordings() {
+    let read = |folder: &std::path::Path, names: &[&str]| -> Vec<Recording> {
+        let of = |name: &&str| recording::read(&folder.join(name), &ChannelMap::default()).unwrap();
+        names.iter().map(of).collect()
+    };
+    if let Some(folder) = system_tests::at_hand::shared("data/emps") {
+        let sheet = std::fs::read_to_string(folder.join("load3.toml")).unwrap();
+        let (training, held_out) = (["tz-1.csv", "tz-2.csv", "tz-3.csv"], ["hz-1.csv", "hz-2.csv", "hz-3.csv"]);
+        let (training, held_out) = (read(&folder, &training), read(&folder, &held_out));
+        for guessed in ["87.0", "203.0", "400.0"] {
+            let file = machine_file::read_text("load3.toml", &sheet.replace("288.557", guessed)).unwrap();
+            let diagnosis = diagnose(&file, &training, &held_out, None, &|_| {}).unwrap();
+            let value = |parameter| diagnosis.machine_after.get(parameter);
+            let found = [Parameter::CoulombFriction, Parameter::ViscousFriction, Parameter::MovingMass].map(value);
+            let fit = diagnosis.mean_fits(true, true)["position"];
+            println!("emps from {guessed} N s/m: {found:.2?}, held out {fit:.2} %");
+            assert_eq!(diagnosis.findings.iter().map(|one| one.effect.name).collect::<Vec<_>>(), ["coulomb-friction"]);
+            for (found, published) in found.into_iter().zip([20.39, 203.5, 95.11]) {
+                assert!((found / published - 1.0).abs() < 0.06, "{found} instead of {published}");
+            }
+            assert!(fit >= 91.0, "{fit}");
+        }
+    }
+    if let Some(folder) = system_tests::at_hand::shared("data/rack") {
+        let file = machine_file::read(&folder.join("m.toml")).unwrap();
+        for name in ["rack.csv", "vel.csv", "pos.csv"] {
+            let diagnosis = diagnose(&file, &read(&folder, &[name]), &[], None, &|_| {}).unwrap();
+            let friction_n = diagnosis.machine_after.get(Parameter::CoulombFriction);
+            println!("rack, {name}: Coulomb friction {friction_n:.2} N");
+            assert_eq!(diagnosis.findings.iter().map(|one| one.effect.name).collect::<Vec<_>>(), ["coulomb-friction"]);
+            assert!((17.0..19.0).contains(&friction_n), "{name}: {friction_n}");
+        }
+    }
+}
