@@ -29,6 +29,7 @@ mod shared;
 mod shipped;
 mod simulate;
 mod since;
+mod statics;
 mod targets;
 mod terminal;
 mod testbed;

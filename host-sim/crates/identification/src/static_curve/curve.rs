@@ -5,7 +5,8 @@ use serde::Serialize;
 use simulation::signal::noise::extent;
 
 use super::branch::Branch;
-use super::line::{FittedLine, median_and_std};
+use super::indications::SURE;
+use super::line::FittedLine;
 
 /// The loop between rising and falling input.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -14,6 +15,9 @@ pub struct Hysteresis {
     pub width: f64,
     /// Scatter of the width over the levels (1.4826 × median absolute deviation), input unit.
     pub std: f64,
+    /// Standard error of `width`, from what eight blocks of neighbouring levels differ by (levels next to each other are not independent) and from the
+    /// distance of the rows.
+    pub std_error: f64,
     /// Number of levels at which it was read.
     pub levels: usize,
     /// Distance of the branches' nulls.
@@ -53,6 +57,8 @@ pub struct LocalGain {
     pub to: f64,
     /// Rise of the output over rise of the input.
     pub gain: f64,
+    /// Standard error of `gain`; 0 between two rows of a table.
+    pub std_error: f64,
     /// Mean output in the interval.
     pub output: f64,
 }
@@ -76,10 +82,8 @@ pub(crate) struct Sweep<'a> {
     pub(crate) branches: &'a [Branch],
 }
 
-/// Levels of the output at which the loop is read.
-const LEVELS: u32 = 200;
 /// Share of the largest output within which a line is fitted to find the edge of the dead zone.
-const SMALL: std::ops::Range<f64> = 0.05..0.4;
+pub(crate) const SMALL: std::ops::Range<f64> = 0.05..0.4;
 /// Output below this share of the largest counts as none.
 const REST: f64 = 1e-3;
 
@@ -98,10 +102,14 @@ impl Sweep<'_> {
         let mut opened: Vec<(f64, f64)> =
             points.iter().copied().filter(|point| sign * point.1 / largest >= SMALL.start).collect();
         opened.sort_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)));
-        // In a table with few rows, the three smallest outputs are used.
+        // In a table with few rows, the three smallest outputs are used. Where no output is small, nothing is known of where it begins.
         let small = opened.iter().take_while(|point| sign * point.1 / largest < SMALL.end).count();
-        opened.truncate(small.max(3));
-        FittedLine::robust(&opened).filter(|line| line.slope != 0.0)
+        opened.truncate(if small > 0 { small.max(3) } else { 0 });
+        let line = FittedLine::robust(&opened).filter(|line| line.slope != 0.0)?;
+        // A line is followed no further than it is long.
+        let (from, to) = extent(opened.iter().map(|point| point.0));
+        let zero = line.zero();
+        (from - zero <= to - from && zero - to <= to - from).then_some(line)
     }
 
     fn null_of(&self, branch: &Branch) -> Option<f64> {
@@ -123,27 +131,6 @@ impl Sweep<'_> {
             (one, other) => one.or(other)?,
         };
         Some(Null { input, rising, falling })
-    }
-
-    /// The loop between each branch and the next.
-    pub(crate) fn hysteresis(&self, null: Option<Null>) -> Option<Hysteresis> {
-        let (low, high) = extent(self.output);
-        let mut widths = Vec::new();
-        for pair in self.branches.windows(2) {
-            let (up, down) = if pair[0].rising { (&pair[0], &pair[1]) } else { (&pair[1], &pair[0]) };
-            for index in 1..LEVELS {
-                let level = low + (high - low) * f64::from(index) / f64::from(LEVELS);
-                let crossing = |branch: &Branch| branch.crossing(self.input, self.output, level);
-                widths.extend(crossing(up).zip(crossing(down)).map(|(up, down)| up - down));
-            }
-        }
-        if widths.len() < 10 {
-            return None;
-        }
-        let (width, std) = median_and_std(&widths);
-        let (from, to) = extent(self.input);
-        let at_null = null.and_then(|null| null.rising.zip(null.falling)).map(|(rising, falling)| rising - falling);
-        Some(Hysteresis { width, std, levels: widths.len(), at_null, share_of_span: width / (to - from) })
     }
 
     /// Where an output of this sign begins.
@@ -193,14 +180,19 @@ impl Sweep<'_> {
                 points
             };
             let points: Vec<Vec<(f64, f64)>> = self.branches.iter().map(inside).filter(|p| p.len() > 4).collect();
-            let lines: Vec<FittedLine> = points.iter().filter_map(|points| FittedLine::through(points)).collect();
+            let lines: Vec<(FittedLine, f64)> = points
+                .iter()
+                .filter_map(|points| FittedLine::through(points).map(|line| (line, line.slope_error(points))))
+                .collect();
             if lines.is_empty() {
                 continue;
             }
-            let gain = lines.iter().map(|line| line.slope).sum::<f64>() / lines.len() as f64;
+            let branches = lines.len() as f64;
+            let gain = lines.iter().map(|line| line.0.slope).sum::<f64>() / branches;
+            let std_error = lines.iter().map(|line| line.1 * line.1).sum::<f64>().sqrt() / branches;
             let all = points.iter().flatten();
             let output = all.clone().map(|point| point.1).sum::<f64>() / all.count() as f64;
-            found.push(LocalGain { from, to: from + width, gain, output });
+            found.push(LocalGain { from, to: from + width, gain, std_error, output });
         }
         found
     }
@@ -215,7 +207,8 @@ impl Sweep<'_> {
         for &to in &points {
             if to.0 - from.0 > least {
                 let gain = (to.1 - from.1) / (to.0 - from.0);
-                found.push(LocalGain { from: from.0, to: to.0, gain, output: f64::midpoint(from.1, to.1) });
+                let output = f64::midpoint(from.1, to.1);
+                found.push(LocalGain { from: from.0, to: to.0, gain, std_error: 0.0, output });
                 from = to;
             }
         }
@@ -223,12 +216,13 @@ impl Sweep<'_> {
     }
 }
 
-/// Where, at either end of a sweep, the gain has fallen to a half and to a tenth.
+/// Where, at either end of a sweep, the gain has surely fallen to a half and to a tenth.
 pub(crate) fn saturation(gains: &[LocalGain], gain: f64) -> Vec<Saturation> {
     let largest = gains.iter().map(|local| local.output.abs()).fold(0.0, f64::max);
     let mut found = Vec::new();
     for share in [0.5, 0.1] {
-        let fallen = |local: &&LocalGain| local.gain / gain < share && local.output.abs() > 0.5 * largest;
+        let surely = |local: &LocalGain| local.gain / gain + SURE * local.std_error / gain.abs() < share;
+        let fallen = |local: &&LocalGain| surely(local) && local.output.abs() > 0.5 * largest;
         // A gain that is small everywhere has not fallen.
         if gains.iter().all(|local| fallen(&local)) {
             continue;

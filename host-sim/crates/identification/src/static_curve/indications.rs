@@ -4,7 +4,7 @@
 use simulation::signal::noise::extent;
 
 use super::curve::LocalGain;
-use super::{Hysteresis, Jump, Port, Staircase, Statics};
+use super::{Jump, Port, Staircase, Statics};
 
 /// An effect of the catalogue that a static recording shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,16 +18,14 @@ pub struct Indication {
 /// What shows an effect; inputs and outputs in the units of their columns.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Evidence {
-    /// The way back lies beside the way up.
-    Loop {
-        /// Distance of the two, in the input.
+    /// The loop that stays however slow the sweep.
+    LoopStays {
+        /// Its width, input unit.
         width: f64,
-        /// Its standard deviation.
+        /// Its standard error.
         std: f64,
-        /// At how many levels of the output.
-        levels: usize,
-        /// The width as a share of the input's span.
-        share_of_span: f64,
+        /// In how many sweeps.
+        sweeps: usize,
     },
     /// The spool follows with less than a tenth of its gain.
     SpoolStops {
@@ -66,8 +64,15 @@ pub enum Remark {
         /// Whether the table has a clock, which is not used.
         clock: bool,
     },
-    /// A lag would also open a loop.
-    LagOrLoop,
+    /// A loop may be hysteresis or a lag.
+    LagOrLoop {
+        /// The lag that it would be, s, where the rate is known.
+        lag_s: Option<f64>,
+    },
+    /// No gain, null, dead zone or saturation is read, since the curve is none that has them.
+    NoGain,
+    /// A monotone curve whose output is nowhere small.
+    NowhereSmall,
     /// The meter's staircase.
     Staircase(Staircase),
     /// A jump of the meter.
@@ -78,8 +83,6 @@ pub enum Remark {
     SpoolOrOrifice,
     /// A dead zone that is wider on one side or an offset of the input: not decided.
     EdgesOrOffset,
-    /// No edge could be read.
-    NoEdge,
     /// Neither null nor the other side's dead zone.
     OneDirection,
     /// A solenoid's limit, a stop or a sensor's end: not decided.
@@ -89,9 +92,9 @@ pub enum Remark {
 }
 
 /// A figure is accepted if it is more than this many times its scatter.
-const SURE: f64 = 3.0;
+pub(crate) const SURE: f64 = 3.0;
 /// Least size that is reported: loops as a share of the span, pressures as a share of the supply.
-const LEAST: f64 = 1e-3;
+pub(crate) const LEAST: f64 = 1e-3;
 /// If gains differ by more than this share of the gain at small outputs, the characteristic is no straight line.
 const STRAIGHT: f64 = 0.3;
 
@@ -107,13 +110,6 @@ fn is_spool(header: &str) -> bool {
 pub(crate) fn indications(statics: &Statics) -> Vec<Indication> {
     let mut found = Vec::new();
     let mut indication = |effect, evidence| found.push(Indication { effect, evidence });
-    if let Some(hysteresis) = statics.hysteresis
-        && hysteresis.width > SURE * hysteresis.std
-        && hysteresis.share_of_span > LEAST
-    {
-        let Hysteresis { width, std, levels, share_of_span, .. } = hysteresis;
-        indication("valve-hysteresis", Evidence::Loop { width, std, levels, share_of_span });
-    }
     let flow = !is_pressure(&statics.output.header);
     let spool_stops = statics.spool_saturation.iter().find(|fallen| fallen.share < 0.2).or_else(|| {
         is_spool(&statics.output.header).then(|| statics.saturation.iter().find(|fallen| fallen.share < 0.2))?
@@ -165,16 +161,20 @@ fn unequal_gains(statics: &Statics) -> Option<(f64, f64)> {
         let inside = local.output.abs() > 0.1 * largest && !at_an_edge(local);
         inside && read_finely(local) && !stopped(f64::midpoint(local.from, local.to))
     });
-    let shares = opened.map(|local| local.gain / gain);
-    let (low, high) = extent(shares);
-    (high - low > STRAIGHT).then_some((low, high))
+    // Each gain as far from the others as it surely is.
+    let shares: Vec<(f64, f64)> =
+        opened.map(|local| (local.gain / gain, SURE * local.std_error / gain.abs())).collect();
+    let surely_low = shares.iter().map(|(share, error)| share + error).fold(f64::INFINITY, f64::min);
+    let surely_high = shares.iter().map(|(share, error)| share - error).fold(f64::NEG_INFINITY, f64::max);
+    (surely_high - surely_low > STRAIGHT).then(|| extent(shares.iter().map(|share| share.0)))
 }
 
 pub(crate) fn remarks(statics: &Statics, clock: bool, spool: bool) -> Vec<Remark> {
     let indicated = |effect| statics.indications.iter().any(|indication| indication.effect == effect);
     let mut found = vec![Remark::NoRate { clock }];
-    if indicated("valve-hysteresis") {
-        found.push(Remark::LagOrLoop);
+    if statics.has_loop() {
+        let lag_s = statics.rate_per_s.zip(statics.hysteresis).map(|(rate, loops)| loops.width / rate / 2.0);
+        found.push(Remark::LagOrLoop { lag_s });
     }
     found.extend(statics.staircase.map(Remark::Staircase));
     found.extend(statics.jumps.iter().copied().map(Remark::Jump));
@@ -184,8 +184,9 @@ pub(crate) fn remarks(statics: &Statics, clock: bool, spool: bool) -> Vec<Remark
         found.push(Remark::SpoolOrOrifice);
     }
     found.push(match (statics.positive, statics.negative) {
+        _ if !statics.shape.has_edges() => Remark::NoGain,
         (Some(_), Some(_)) => Remark::EdgesOrOffset,
-        (None, None) => Remark::NoEdge,
+        (None, None) => Remark::NowhereSmall,
         _ => Remark::OneDirection,
     });
     if indicated("solenoid-saturation") {

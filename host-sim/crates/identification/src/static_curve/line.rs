@@ -58,6 +58,19 @@ impl FittedLine {
         Some(Self { at_zero, slope, ..squares })
     }
 
+    /// Standard error of the slope through these points. Neighbours that are alike count for less, as r = correlation of one point's distance from the
+    /// line with the next one's says: n·(1 − r)/(1 + r) are independent (Bartlett 1946).
+    pub(crate) fn slope_error(self, points: &[(f64, f64)]) -> f64 {
+        let count = points.len() as f64;
+        let mean = points.iter().map(|point| point.0).sum::<f64>() / count;
+        let across = points.iter().map(|point| (point.0 - mean).powi(2)).sum::<f64>();
+        let off: Vec<f64> = points.iter().map(|point| point.1 - self.at_zero - self.slope * point.0).collect();
+        let squares = off.iter().map(|value| value * value).sum::<f64>();
+        let products = off.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+        let alike = if squares > 0.0 { (products / squares + 4.0 / count).clamp(0.0, 0.95) } else { 0.0 };
+        (squares / (count - 2.0) / across * (1.0 + alike) / (1.0 - alike)).sqrt()
+    }
+
     /// Where it crosses zero.
     pub(crate) fn zero(self) -> f64 {
         -self.at_zero / self.slope

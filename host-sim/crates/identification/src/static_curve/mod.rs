@@ -1,16 +1,21 @@
 //! Static recordings: what a slow sweep, a table of means or runs at constant command show of a valve without a clock.
 //!
-//! Only rate-independent indications are given: width of the loop, null, dead zone, gain and where it falls, droop of the
-//! supply and rise of the return pressure with flow. What the instrument does to its reading (a staircase, a jump at one
-//! reading) is separated from the valve and reported. A loop of the same width at every level is hysteresis if the sweep
-//! was slow; a triangular sweep at only one rate cannot exclude a lag, and the remarks say so.
+//! First the kind of the curve is told, against its own scatter ([`Shape`]). Only a curve that is monotone has a gain, a null, a dead zone and a
+//! saturation; a maximum inside, as the leakage of a valve has at its null, has a height and a width; of others only the kind is told. Then come
+//! width of the loop, droop of the supply and rise of the return pressure with flow. What the instrument does to its reading (a staircase, a jump at
+//! one reading) is separated from the valve and reported. A loop may be hysteresis or a lag: one sweep cannot tell, and names neither; sweeps at
+//! several rates can ([`compare()`]).
 
 mod branch;
+mod course;
 mod curve;
 pub mod indications;
 mod instrument;
 mod line;
+mod loops;
 mod runs;
+mod several;
+mod shape;
 
 use curve::Sweep;
 use line::median_and_std;
@@ -25,6 +30,8 @@ pub use indications::{Evidence, Indication, PortPressure, Remark};
 pub use instrument::{Jump, Staircase, jumps, staircase};
 pub use line::FittedLine;
 pub use runs::{VELOCITY, means};
+pub use several::{Cause, Comparison, Estimate, LoopAtRate, RateFrom, compare};
+pub use shape::{Extreme, Shape};
 
 /// Which column of a table is what; headers, with or without their units.
 #[derive(Clone, Debug, Default)]
@@ -66,6 +73,14 @@ pub enum StaticsError {
         rows: usize,
         /// How many are needed.
         least: usize,
+    },
+    /// Not one period for each sweep.
+    #[error("{periods} periods for {sweeps} recordings; expected one for each, in the order of the files")]
+    PeriodsOfOthers {
+        /// How many periods were given.
+        periods: usize,
+        /// How many sweeps.
+        sweeps: usize,
     },
     /// A run whose command is not constant.
     #[error("{run}: `{input}` goes from {from} to {to}; expected runs at a constant command each")]
@@ -120,10 +135,16 @@ pub struct Statics {
     pub output: Axis,
     /// The branches that were read: true where the input rises.
     pub branches: Vec<bool>,
+    /// The kind of the curve.
+    pub shape: Shape,
     /// Gain at small outputs, mean of both signs.
     pub gain: Option<f64>,
     /// The loop, where the input rises and falls.
     pub hysteresis: Option<Hysteresis>,
+    /// Input that the steeper flank takes from a quarter to three quarters of its height.
+    pub flank: Option<f64>,
+    /// Mean rate of the input, its unit a second, where there is a clock.
+    pub rate_per_s: Option<f64>,
     /// Where the output is zero, if it has both signs.
     pub null: Option<Null>,
     /// Where positive output begins.
@@ -152,6 +173,31 @@ pub struct Statics {
     pub remarks: Vec<Remark>,
 }
 
+impl Statics {
+    /// The same, of a sweep whose way up and down took this time, s: for one without a clock.
+    #[must_use]
+    pub fn with_period(mut self, period_s: f64) -> Self {
+        let rate = 2.0 * (self.input.high - self.input.low) / period_s;
+        self.rate_per_s = Some(rate);
+        let lag_s = self.hysteresis.map(|found| found.width / rate / 2.0);
+        for remark in &mut self.remarks {
+            if matches!(remark, Remark::LagOrLoop { .. }) {
+                *remark = Remark::LagOrLoop { lag_s };
+            }
+        }
+        self
+    }
+
+    /// Whether way up and way down are apart by more than their scatter.
+    #[must_use]
+    pub fn has_loop(&self) -> bool {
+        self.hysteresis.is_some_and(|found| {
+            let surely = Estimate { value: found.width, std: found.std_error }.is_sure();
+            surely && found.share_of_span > indications::LEAST
+        })
+    }
+}
+
 const LEAST_ROWS: usize = 5;
 
 /// Reads the static characteristic off a table.
@@ -171,15 +217,16 @@ pub fn analyse(table: &StaticTable, columns: &Columns) -> Result<Statics, Static
     let ((input_axis, input), (output_axis, output)) = (swept(&columns.input)?, swept(&columns.output)?);
     let branches = branches(input);
     let sweep = Sweep { input, output, branches: &branches };
-    let null = sweep.null();
-    let (positive, negative) = (sweep.edge(1.0), sweep.edge(-1.0));
+    let shape = shape::shape(&sweep, sweep.play());
+    let (edged, monotone) = (shape.has_edges(), shape.is_monotone());
+    let null = if edged { sweep.null() } else { None };
+    let edge = |sign: f64| if edged { sweep.edge(sign) } else { None };
+    let (positive, negative) = (edge(1.0), edge(-1.0));
     let edges: Vec<f64> = [positive, negative].into_iter().flatten().map(|edge| edge.gain).collect();
     let gain = (!edges.is_empty()).then(|| edges.iter().sum::<f64>() / edges.len() as f64);
     let staircase = staircase(output);
-    let hysteresis = sweep.hysteresis(null);
-    let play = hysteresis.map_or(0.0, |hysteresis| hysteresis.width.abs() + 2.0 * hysteresis.std);
     let step = staircase.map(|staircase| staircase.step);
-    let gains = gain.map_or_else(Vec::new, |gain| sweep.gains(gain, step, play));
+    let gains = gain.filter(|_| monotone).map_or_else(Vec::new, |gain| sweep.gains(gain, step, sweep.play()));
     let spool_saturation = match &columns.spool {
         Some(spool) => spool_stops(input, swept(spool)?.1, &branches),
         None => Vec::new(),
@@ -187,18 +234,21 @@ pub fn analyse(table: &StaticTable, columns: &Columns) -> Result<Statics, Static
     let port = |header: &Option<String>, least_flow: f64| -> Result<Option<Port>, StaticsError> {
         let Some(header) = header else { return Ok(None) };
         let (header, pressure) = table.column(header)?;
-        Ok(over_flow(header, pressure, output, least_flow))
+        Ok(over_flow(header, pressure, output, least_flow).filter(|_| !matches!(shape, Shape::Constant { .. })))
     };
     let mut statics = Statics {
         recording: table.name().to_owned(),
         rows: table.rows(),
         branches: branches.iter().map(|branch| branch.rising).collect(),
-        hysteresis,
+        hysteresis: sweep.loop_of(&shape, null),
+        flank: sweep.flank(&shape),
+        rate_per_s: table.clock_s().and_then(|time_s| rate_per_s(input, &time_s, &branches)),
         saturation: gain.map_or_else(Vec::new, |gain| curve::saturation(&gains, gain)),
-        jumps: jumps(input, output, &branches, staircase),
+        jumps: if monotone { jumps(input, output, &branches, staircase) } else { Vec::new() },
         supply: port(&columns.supply, 0.0)?,
         // A closed valve traps any pressure behind it.
         returning: port(&columns.returning, 0.01)?,
+        shape,
         indications: Vec::new(),
         remarks: Vec::new(),
         input: input_axis,
@@ -216,11 +266,23 @@ pub fn analyse(table: &StaticTable, columns: &Columns) -> Result<Statics, Static
     Ok(statics)
 }
 
+/// Mean rate of the input over the branches, whichever way it goes.
+fn rate_per_s(input: &[f64], time_s: &[f64], branches: &[Branch]) -> Option<f64> {
+    let along = |values: &[f64]| -> f64 {
+        branches.iter().map(|branch| (values[branch.rows.end - 1] - values[branch.rows.start]).abs()).sum()
+    };
+    let rate = along(input) / along(time_s);
+    (rate.is_finite() && rate > 0.0).then_some(rate)
+}
+
 /// Where the spool no longer follows the input, compared with its usual gain.
 fn spool_stops(input: &[f64], spool: &[f64], branches: &[Branch]) -> Vec<Saturation> {
     let (low, high) = extent(spool);
     let centred: Vec<f64> = spool.iter().map(|value| value - f64::midpoint(low, high)).collect();
     let sweep = Sweep { input, output: &centred, branches };
+    if !shape::shape(&sweep, sweep.play()).is_monotone() {
+        return Vec::new();
+    }
     let gains = sweep.gains(1.0, None, 0.0);
     let usual = line::median(gains.iter().map(|local| local.gain).collect());
     curve::saturation(&gains, usual)
@@ -231,7 +293,9 @@ fn over_flow(header: &str, pressure: &[f64], flow: &[f64], least_share: f64) -> 
     let full = flow.iter().map(|flow| flow.abs()).fold(0.0, f64::max);
     let points: Vec<(f64, f64)> = flow.iter().zip(pressure).map(|(flow, pressure)| (flow.abs(), *pressure)).collect();
     let flowing: Vec<(f64, f64)> = points.into_iter().filter(|point| point.0 >= least_share * full).collect();
-    let line = FittedLine::robust(&flowing)?;
+    let least = flowing.iter().map(|point| point.0).fold(f64::INFINITY, f64::min);
+    // A line is followed no further than it is long.
+    let line = FittedLine::robust(&flowing).filter(|_| least <= full - least)?;
     let at = |flow: f64| line.at_zero + line.slope * flow;
     let about: Vec<f64> = flowing.iter().map(|(flow, pressure)| pressure - at(*flow)).collect();
     let (at_rest, at_full, scatter) = (at(0.0), at(full), median_and_std(&about).1);

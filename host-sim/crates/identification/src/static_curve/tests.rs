@@ -1,5 +1,9 @@
 //! What is found on known characteristics.
 
+mod draws;
+mod kinds;
+mod rates;
+
 use super::*;
 
 /// A triangle of −10 … 10, twice.
@@ -44,7 +48,8 @@ fn width_null_and_dead_zone_of_a_known_valve_are_found() {
     assert!((found.positive.unwrap().extrapolated - 1.4).abs() < 0.05, "{found:?}");
     assert!((found.negative.unwrap().extrapolated + 0.6).abs() < 0.05, "{found:?}");
     assert!(found.staircase.is_none() && found.jumps.is_empty() && found.saturation.is_empty(), "{found:?}");
-    assert_eq!(names(&found), ["valve-hysteresis"]);
+    assert!(names(&found).is_empty() && found.has_loop(), "one sweep does not tell hysteresis from a lag: {found:?}");
+    assert!(found.remarks.contains(&Remark::LagOrLoop { lag_s: None }), "{found:?}");
 }
 
 #[test]
@@ -64,7 +69,7 @@ fn a_meters_staircase_does_not_become_physics() {
     let found = analyse(&table(triangle(), output), &columns()).unwrap();
     assert!((found.staircase.unwrap().step - 0.8).abs() < 1e-6, "{found:?}");
     assert!((found.hysteresis.unwrap().width - 0.6).abs() < 0.05, "{found:?}");
-    assert_eq!(names(&found), ["valve-hysteresis"]);
+    assert!(names(&found).is_empty() && found.has_loop(), "{found:?}");
     assert!(found.remarks.iter().any(|remark| matches!(remark, Remark::Staircase(_))), "{found:?}");
 }
 

@@ -29,7 +29,7 @@ mod thin;
 pub use bars::{Bar, BarGroup, bars};
 pub use canvas::svg;
 pub use cells::{Cells, cells};
-pub use curve::{Mark, curve};
+pub use curve::{Mark, Series, curve};
 pub use grid::{Cell, Grid, grid};
 pub use recorded::panels;
 pub(crate) use recorded::{title, within_title};

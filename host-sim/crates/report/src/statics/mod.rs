@@ -1,22 +1,43 @@
-//! A static recording's figures: as text, as JSON, and as a drawing.
+//! A static recording's figures: as text, as JSON, and as a drawing; and what several sweeps at different rates show together.
+
+mod remark;
+mod several;
 
 use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use identification::static_curve::{Edge, Evidence, Indication, Port, PortPressure, Remark, Statics};
+use identification::static_curve::{
+    Axis, Edge, Evidence, Extreme, Indication, Port, PortPressure, Remark, Shape, Statics,
+};
 use recording::files::source_error::rounded;
 
-use crate::plot::{Mark, curve};
+use crate::plot::{Mark, Series, curve};
+
+pub use several::{document_of_sweeps, drawing_of_sweeps, text_of_sweeps};
 
 /// Three digits.
 fn short(value: f64) -> String {
     format!("{value:.2e}").parse::<f64>().map_or_else(|_| value.to_string(), |value| rounded(value).to_string())
 }
 
+/// A place on an axis: what is no more than rounding beside its span is zero.
+fn place(value: f64, axis: &Axis) -> String {
+    short(if value.abs() < 1e-9 * (axis.high - axis.low) { 0.0 } else { value })
+}
+
 /// The figures as lines of text.
 #[must_use]
 pub fn text(statics: &Statics) -> String {
+    written(statics, true)
+}
+
+/// The same beside a comparison, which tells what the loop is.
+fn text_beside(statics: &Statics) -> String {
+    written(statics, false)
+}
+
+fn written(statics: &Statics, alone: bool) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: String| {
         // Writing into a text does not fail.
@@ -27,6 +48,10 @@ pub fn text(statics: &Statics) -> String {
     line("recording", format!("{}, {} rows: {} up, {} down", statics.recording, statics.rows, ways(true), ways(false)));
     line("input", format!("{}: {} to {}", input.header, short(input.low), short(input.high)));
     line("output", format!("{}: {} to {}", output.header, short(output.low), short(output.high)));
+    line("shape", shape(statics));
+    if let Some(found) = statics.shape.extreme() {
+        line("", sides(found));
+    }
     if let Some(gain) = statics.gain {
         line("gain", format!("{} at small outputs", short(gain)));
     }
@@ -53,13 +78,13 @@ pub fn text(statics: &Statics) -> String {
             let seen = begins_between.map_or_else(String::new, |(rest, first)| {
                 format!("; at rest until {}, not at {}", short(rest), short(first))
             });
-            line(name, format!("{} extrapolated, gain {}{seen}", short(extrapolated), short(gain)));
+            line(name, format!("{} extrapolated, gain {}{seen}", place(extrapolated, input), short(gain)));
         }
     }
     for (what, all) in [("gain falls", &statics.saturation), ("spool stops", &statics.spool_saturation)] {
         for fallen in all {
             let end = if fallen.upper { "up" } else { "down" };
-            line(what, format!("below {} of it from {} {end}", fallen.share, short(fallen.from)));
+            line(what, format!("below {} of it from {} {end}", fallen.share, place(fallen.from, input)));
         }
     }
     for (name, port) in [("supply", &statics.supply), ("return", &statics.returning)] {
@@ -69,13 +94,14 @@ pub fn text(statics: &Statics) -> String {
         }
     }
     for indication in &statics.indications {
-        line("found", format!("{}: {}", indication.effect, evidence(indication, statics)));
+        line("found", format!("{}: {}", indication.effect, evidence(indication)));
     }
-    if statics.indications.is_empty() {
+    if alone && statics.indications.is_empty() {
         line("found", "no effect of the vocabulary".to_owned());
     }
-    for remark in &statics.remarks {
-        line("note", self::remark(remark, statics));
+    let told = |remark: &&Remark| alone || !matches!(remark, Remark::LagOrLoop { .. } | Remark::NoRate { .. });
+    for remark in statics.remarks.iter().filter(told) {
+        line("note", remark::sentence(remark, statics));
     }
     text.truncate(text.trim_end().len());
     text
@@ -84,26 +110,64 @@ pub fn text(statics: &Statics) -> String {
 /// The figures as JSON.
 #[must_use]
 pub fn document(statics: &Statics) -> Value {
+    json!({ "schema": "host-sim/statics/1", "statics": figures(statics) })
+}
+
+fn figures(statics: &Statics) -> Value {
     let indications: Vec<Value> = statics
         .indications
         .iter()
-        .map(|found| json!({ "effect": found.effect, "evidence": evidence(found, statics) }))
+        .map(|found| json!({ "effect": found.effect, "evidence": evidence(found) }))
         .collect();
-    let remarks: Vec<String> = statics.remarks.iter().map(|found| remark(found, statics)).collect();
+    let remarks: Vec<String> = statics.remarks.iter().map(|found| remark::sentence(found, statics)).collect();
     let mut figures = json!(statics);
     figures["indications"] = json!(indications);
     figures["remarks"] = json!(remarks);
-    json!({ "schema": "host-sim/statics/1", "statics": figures })
+    figures["loop_is_sure"] = json!(statics.has_loop());
+    figures
 }
 
-fn evidence(indication: &Indication, statics: &Statics) -> String {
+/// The kind of the curve in words.
+fn shape(statics: &Statics) -> String {
+    let (input, output) = (&statics.input, &statics.output);
+    let places = |turns: &[(f64, f64)]| {
+        let each: Vec<String> =
+            turns.iter().map(|turn| format!("{} at {}", short(turn.1), place(turn.0, input))).collect();
+        each.join(", ")
+    };
+    match &statics.shape {
+        Shape::Monotone { rising: true } => "rises with the input".to_owned(),
+        Shape::Monotone { rising: false } => "falls as the input rises".to_owned(),
+        Shape::Constant { mean, scatter } => {
+            format!("does not depend on the input: {} with a scatter of {}", short(*mean), short(*scatter))
+        }
+        Shape::Peak(found) => extreme("peak", found, input, output),
+        Shape::Valley(found) => extreme("valley", found, input, output),
+        Shape::TurnsBack { turns, .. } => format!("turns back: {}", places(turns)),
+        Shape::BranchesDiffer => "not told: the ways up and down have curves of different kinds".to_owned(),
+    }
+}
+
+fn extreme(name: &str, found: &Extreme, input: &Axis, output: &Axis) -> String {
+    let ways = found.rising.zip(found.falling).map_or_else(String::new, |(rising, falling)| {
+        format!(" (rising {}, falling {})", place(rising, input), place(falling, input))
+    });
+    let (value, std) = (short(found.output), short(found.std));
+    let at = place(found.input, input);
+    format!("a {name} of {value} ± {std} ({}) at {at} ({}){ways}", output.header, input.header)
+}
+
+fn sides(found: &Extreme) -> String {
+    let (width, lower, upper) = (short(found.width_at_half_height), short(found.lower_end), short(found.upper_end));
+    format!("{width} wide at half height; {lower} at the lower end, {upper} at the upper")
+}
+
+fn evidence(indication: &Indication) -> String {
     match &indication.evidence {
-        Evidence::Loop { width, std, levels, share_of_span } => format!(
-            "the way back is {} ± {} from the way up at {levels} levels of {}: {:.1} % of the span",
+        Evidence::LoopStays { width, std, sweeps } => format!(
+            "{} ± {} of the loop stays however slow the sweep, from {sweeps} sweeps",
             short(*width),
-            short(*std),
-            statics.output.header,
-            100.0 * share_of_span,
+            short(*std)
         ),
         Evidence::SpoolStops { from } => {
             format!("the spool follows with less than a tenth of its gain from {} on", short(*from))
@@ -120,64 +184,22 @@ fn evidence(indication: &Indication, statics: &Statics) -> String {
     }
 }
 
-fn remark(remark: &Remark, statics: &Statics) -> String {
-    let output = &statics.output.header;
-    let plain = match remark {
-        Remark::NoRate { clock: true } => "the clock is not used: only what does not depend on the rate is read",
-        Remark::NoRate { clock: false } => {
-            "rows in the order of the file, no clock: only what does not depend on the rate is read"
-        }
-        Remark::LagOrLoop => "a lag would also open a loop; the sweep is assumed to be slow against the valve",
-        Remark::Staircase(stairs) => {
-            let coarse = stairs.from_magnitude > 0.0;
-            let from = if coarse { format!(" from ±{} on", short(stairs.from_magnitude)) } else { String::new() };
-            let also = if coarse { ", and a different gain there is attributed to the meter" } else { "" };
-            return format!(
-                "instrument: {output} stands on {} levels {} apart{from}: a staircase of the meter, not of the valve; the loop is read at the \
-                 edges of its steps{also}",
-                stairs.levels,
-                short(stairs.step),
-            );
-        }
-        Remark::Jump(jump) => {
-            return format!(
-                "instrument: {output} jumps from {} to {} near {} on every branch and nowhere else: attributed to the meter",
-                short(jump.output.0),
-                short(jump.output.1),
-                short(jump.input)
-            );
-        }
-        Remark::PressureEnds => {
-            "the output is a pressure and ends at the supply's: this is not saturation of the valve"
-        }
-        Remark::SpoolOrOrifice => {
-            "without a measured spool it cannot be decided whether spool or orifice stops following at the end"
-        }
-        Remark::EdgesOrOffset => {
-            "edges of unequal distance from zero may be a dead-zone-asymmetry or an offset of the input: not separable here"
-        }
-        Remark::NoEdge => "no output from which an edge could be read",
-        Remark::OneDirection => "one direction only: neither null nor the other side's dead zone",
-        Remark::LimitStopOrSensor => {
-            "a spool that stops may be at its solenoid's limit, at its stop or at the end of its sensor: not separable here"
-        }
-        Remark::PortHoldsEdge => {
-            "a pressure at the valve's port holds the drop of the edge behind it as well as that of the line"
-        }
-    };
-    plain.to_owned()
-}
-
-/// Output over input, with the null and the edges marked.
+/// Output over input, with the null, the edges and the extreme marked.
 #[must_use]
 pub fn drawing(statics: &Statics, input: &[f64], output: &[f64]) -> String {
+    let series = Series { label: String::new(), x: input, y: output };
+    curve(&statics.recording, &statics.input.header, &statics.output.header, &[series], &marks(statics))
+}
+
+fn marks(statics: &Statics) -> Vec<Mark> {
     let edges = [statics.positive, statics.negative].into_iter().flatten().map(|edge| ("edge", edge.extrapolated));
     let null = statics.null.iter().map(|null| ("null", null.input));
     let fallen =
         statics.saturation.iter().filter(|fallen| fallen.share > 0.4).map(|fallen| ("half the gain", fallen.from));
-    let marks: Vec<Mark> =
-        edges.chain(null).chain(fallen).map(|(label, at)| Mark { label: label.to_owned(), at }).collect();
-    curve(&statics.recording, (&statics.input.header, input), (&statics.output.header, output), &marks)
+    let name = if matches!(statics.shape, Shape::Peak(_)) { "peak" } else { "valley" };
+    let extreme = statics.shape.extreme().map(|extreme| (name, extreme.input));
+    let all = edges.chain(null).chain(fallen).chain(extreme);
+    all.map(|(label, at)| Mark { label: label.to_owned(), at }).collect()
 }
 
 #[cfg(test)]
@@ -198,6 +220,7 @@ mod tests {
         let asked = Columns { input: "I".to_owned(), output: "Q".to_owned(), ..Columns::default() };
         let found = analyse(&table, &asked).unwrap();
         assert!(text(&found).contains("a staircase of the meter, not of the valve"), "{}", text(&found));
+        assert!(text(&found).contains("rises with the input"), "{}", text(&found));
         assert!(document(&found)["statics"]["remarks"].to_string().contains("staircase of the meter"));
     }
 }
