@@ -72,13 +72,9 @@ impl Course {
 
     /// The places at which the course turns back by more than its standard errors, with both of its ends; none where it nowhere changes by more.
     /// Changes of less than `least` do not count; the threshold is raised by a factor, `times`.
-    ///
-    /// Any two of K places may differ by chance: of K(K − 1)/2 pairs none must differ by more than the threshold but in a thousandth of the
-    /// cases (Bonferroni; the tail of the normal distribution by its bound exp(−z²/2)/2 on either side).
     pub(crate) fn turns(&self, least: f64, times: f64) -> Vec<Place> {
         let places = &self.places;
-        let pairs = (places.len() * places.len().saturating_sub(1) / 2).max(1) as f64;
-        let z = times * (2.0 * (pairs / FALSE_TURN).ln()).sqrt();
+        let z = times * beyond_chance(places.len());
         let beyond = |high: usize, low: usize| {
             let error = places[high].error.hypot(places[low].error);
             places[high].output - places[low].output > (z * error).max(least)
@@ -106,6 +102,13 @@ impl Course {
         }
         found
     }
+}
+
+/// Standard errors by which two of so many values differ by chance in a thousandth of the cases: of their n(n − 1)/2 pairs none may differ by more
+/// (Bonferroni; the tail of the normal distribution by its bound exp(−z²/2)/2 on either side).
+pub(crate) fn beyond_chance(values: usize) -> f64 {
+    let pairs = (values * values.saturating_sub(1) / 2).max(1) as f64;
+    (2.0 * (pairs / FALSE_TURN).ln()).sqrt()
 }
 
 /// What rows are off their line.

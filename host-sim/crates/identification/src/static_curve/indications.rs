@@ -3,6 +3,7 @@
 
 use simulation::signal::noise::extent;
 
+use super::course::beyond_chance;
 use super::curve::LocalGain;
 use super::{Jump, Port, Staircase, Statics};
 
@@ -162,8 +163,10 @@ fn unequal_gains(statics: &Statics) -> Option<(f64, f64)> {
         inside && read_finely(local) && !stopped(f64::midpoint(local.from, local.to))
     });
     // Each gain as far from the others as it surely is.
-    let shares: Vec<(f64, f64)> =
-        opened.map(|local| (local.gain / gain, SURE * local.std_error / gain.abs())).collect();
+    let opened: Vec<&LocalGain> = opened.collect();
+    let z = beyond_chance(opened.len());
+    let share = |local: &&LocalGain| (local.gain / gain, z * local.std_error / gain.abs());
+    let shares: Vec<(f64, f64)> = opened.iter().map(share).collect();
     let surely_low = shares.iter().map(|(share, error)| share + error).fold(f64::INFINITY, f64::min);
     let surely_high = shares.iter().map(|(share, error)| share - error).fold(f64::NEG_INFINITY, f64::max);
     (surely_high - surely_low > STRAIGHT).then(|| extent(shares.iter().map(|share| share.0)))
