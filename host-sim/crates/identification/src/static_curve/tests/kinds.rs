@@ -5,8 +5,10 @@ use super::*;
 
 const DRAWS: usize = 200;
 
+type Curve = Box<dyn Fn(f64) -> f64>;
+
 /// What is found on drawn curves of one kind; some of them lag or have play.
-fn drawn(seed: u64, curve: fn(&mut Random) -> Box<dyn Fn(f64) -> f64>) -> Vec<Statics> {
+fn drawn(seed: u64, curve: fn(&mut Random) -> Curve) -> Vec<Statics> {
     let mut random = Random(seed);
     let one = |_| {
         let mut bench = Bench::drawn(&mut random);
@@ -37,7 +39,7 @@ fn bell(random: &mut Random) -> (f64, f64, f64) {
 
 #[test]
 fn a_bell_is_a_peak_with_its_place_and_width_and_has_no_gain() {
-    let gaussian: fn(&mut Random) -> Box<dyn Fn(f64) -> f64> = |random| {
+    let gaussian: fn(&mut Random) -> Curve = |random| {
         let (at, width, floor) = bell(random);
         Box::new(move |x| floor + (-0.5 * ((x - at) / width).powi(2)).exp())
     };
