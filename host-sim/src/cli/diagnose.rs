@@ -9,7 +9,7 @@ use machine_file::MachineFile;
 use model_core::machine::Tick;
 use recording::{ChannelMap, Column, Format, PressureZero, Recording, Signal};
 use report::evidence::Exhibits;
-use report::{html, json, terminal};
+use report::{html, json, terminal, wording};
 
 use super::console::{Console, Progress, Tone};
 use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE};
@@ -22,7 +22,8 @@ use super::{Outcome, input};
 #[command(override_usage = "\
 host-sim diagnose [OPTIONS] <FOLDER>
        host-sim diagnose [OPTIONS] --machine <M.toml> --train <R.csv>... [--holdout <R.csv>...]
-       host-sim diagnose [OPTIONS] --since <THEN.toml> --train <R.csv>... [--holdout <R.csv>...]")]
+       host-sim diagnose [OPTIONS] --since <THEN.toml> --train <R.csv>... [--holdout <R.csv>...]
+       host-sim diagnose [OPTIONS] --since <THEN>... <FOLDER>")]
 #[command(after_help = "Examples:
   host-sim diagnose examples/press-63-40
   host-sim diagnose --machine M.toml --train a.csv b.csv c.csv --holdout d.csv --json D.json --save-machine F.toml --report D.html
@@ -38,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "M.toml", requires = "train")]
     machine: Option<PathBuf>,
     /// What has changed since this machine file was written: it stands in the place of --machine or of the folder's own, and the effects that it holds
-    /// may have become more or less. Or since these recordings were made, which are diagnosed first
+    /// may have become more or less. Or since these recordings were made, which are diagnosed first. A folder at their end is FOLDER
     #[arg(long, value_name = "THEN", num_args = 1..)]
     since: Vec<PathBuf>,
     /// Recordings to train on (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
@@ -91,13 +92,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let mut job = job(arguments, console)?;
     let failed = |machine: &Path, cause| CliError::Diagnose { machine: machine.to_owned(), cause };
     let tick = arguments.tick.map(Into::into);
-    let bar = console.working("looking at the pressures' zero");
-    let absolute = read_absolute(&job.file, &job.training, tick);
-    bar.finish_and_clear();
-    let absolute = absolute.map_err(|cause| failed(&job.machine, cause))?;
+    let absolute = is_absolute(&job.machine, &job.file, &job.training, tick, console)?;
     if absolute {
-        let recordings = job.then.iter_mut().chain(&mut job.training).chain(&mut job.held_out);
-        recordings.for_each(Recording::take_as_absolute);
+        job.training.iter_mut().chain(&mut job.held_out).for_each(Recording::take_as_absolute);
     }
     for note in
         job.training.iter().chain(&job.held_out).flat_map(|recording| input::notes(recording, &job.file.machine))
@@ -115,12 +112,12 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         input::doubts(&job.machine, &job.file, job.training.iter().chain(&job.held_out), arguments.as_recorded);
     bar.finish_and_clear();
     let doubts = doubts?;
-    diagnose_then(&mut job, tick, console)?;
+    let then = diagnose_then(&mut job, arguments, console)?;
     let bar = progress(&job.file, "diagnosing", console);
     let diagnosed = if arguments.since.is_empty() { diagnose } else { diagnose_since };
     let diagnosis = diagnosed(&job.file, &job.training, &job.held_out, tick, &|_| bar.inc(1));
     bar.finish_and_clear();
-    let diagnosis = Diagnosis { doubts, ..diagnosis.map_err(|cause| failed(&job.machine, cause))? };
+    let diagnosis = Diagnosis { doubts, then, ..diagnosis.map_err(|cause| failed(&job.machine, cause))? };
     console.detail(terminal::sentence(&diagnosis));
     let bar = console.working("drawing up the evidence");
     let exhibits = Exhibits::of(&job.file, &job.training, &job.held_out, &diagnosis, job.report.is_some());
@@ -154,10 +151,35 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(if arguments.exit_code && missing { Outcome::OutOfTolerance } else { Outcome::Done })
 }
 
-/// Where there are recordings of then: the machine file with what they tell in the place of the job's.
-fn diagnose_then(job: &mut Job, tick: Option<Tick>, console: &Console<'_>) -> Result<(), CliError> {
+/// Whether the pressures of these recordings count from a vacuum.
+fn is_absolute(
+    machine: &Path,
+    file: &MachineFile,
+    recordings: &[Recording],
+    tick: Option<Tick>,
+    console: &Console<'_>,
+) -> Result<bool, CliError> {
+    let bar = console.working("looking at the pressures' zero");
+    let absolute = read_absolute(file, recordings, tick);
+    bar.finish_and_clear();
+    absolute.map_err(|cause| CliError::Diagnose { machine: machine.to_owned(), cause })
+}
+
+/// Where there are recordings of then: the machine file with what they tell in the place of the job's, and how that diagnosis ended. What is noted and
+/// doubted of them is told as of the others.
+fn diagnose_then(job: &mut Job, arguments: &Arguments, console: &Console<'_>) -> Result<Option<Verdict>, CliError> {
     if job.then.is_empty() {
-        return Ok(());
+        return Ok(None);
+    }
+    let tick = arguments.tick.map(Into::into);
+    if is_absolute(&job.machine, &job.file, &job.then, tick, console)? {
+        job.then.iter_mut().for_each(Recording::take_as_absolute);
+    }
+    for note in job.then.iter().flat_map(|recording| input::notes(recording, &job.file.machine)) {
+        console.note(note);
+    }
+    for doubt in input::doubts(&job.machine, &job.file, &job.then, arguments.as_recorded)? {
+        console.note(format_args!("then: doubt: {}", wording::doubt(&doubt)));
     }
     let bar = progress(&job.file, "diagnosing then", console);
     let then = diagnose(&job.file, &job.then, &[], tick, &|_| bar.inc(1));
@@ -165,7 +187,7 @@ fn diagnose_then(job: &mut Job, tick: Option<Tick>, console: &Console<'_>) -> Re
     let then = then.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause })?;
     console.note(format_args!("then: {}", terminal::sentence(&then)));
     job.file = then.machine_file(&job.file);
-    Ok(())
+    Ok(Some(then.verdict))
 }
 
 /// A bar over the steps of a diagnosis.
@@ -183,8 +205,12 @@ const fn tone(verdict: Verdict) -> Tone {
 
 fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
-    let (then, recordings_of_then) = then(arguments)?;
-    let (machine, train, holdout, report) = match (&arguments.folder, then.or(arguments.machine.as_ref())) {
+    let (folder, all_of_then) = folder(arguments);
+    let (then, recordings_of_then) = then(arguments, all_of_then)?;
+    if !all_of_then.is_empty() && folder.is_none() && arguments.train.is_empty() {
+        return Err(CliError::Since { found: "no recording of now".to_owned(), is_now: true });
+    }
+    let (machine, train, holdout, report) = match (folder, then.or(arguments.machine.as_ref())) {
         (Some(folder), machine) => {
             let name =
                 folder.file_name().map_or_else(|| "drive".to_owned(), |name| name.to_string_lossy().into_owned());
@@ -200,7 +226,7 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
             (machine.clone(), arguments.train.clone(), arguments.holdout.clone(), arguments.report.clone())
         }
         (None, None) if !arguments.since.is_empty() => {
-            return Err(CliError::Since { found: "found recordings and no machine file" });
+            return Err(CliError::Since { found: "recordings and no machine file".to_owned(), is_now: false });
         }
         (None, None) => return Err(CliError::NothingToTrain { folder: PathBuf::from(".") }),
     };
@@ -226,15 +252,28 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     Ok(Job { machine, file, then, training, held_out, report })
 }
 
+/// The folder, and what is of then: a folder behind that is none of it.
+fn folder(arguments: &Arguments) -> (Option<&PathBuf>, &[PathBuf]) {
+    let named = [&arguments.train, &arguments.holdout];
+    let stands_alone =
+        arguments.folder.is_none() && arguments.machine.is_none() && named.iter().all(|named| named.is_empty());
+    match arguments.since.split_last() {
+        Some((last, of_then)) if stands_alone && !of_then.is_empty() && last.is_dir() => (Some(last), of_then),
+        _ => (arguments.folder.as_ref(), &arguments.since),
+    }
+}
+
 /// The machine file of then, or the recordings of then.
-fn then(arguments: &Arguments) -> Result<(Option<&PathBuf>, &[PathBuf]), CliError> {
+fn then<'a>(arguments: &Arguments, of_then: &'a [PathBuf]) -> Result<(Option<&'a PathBuf>, &'a [PathBuf]), CliError> {
     let is_file = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
-    match arguments.since.as_slice() {
-        [file] if is_file(file) && arguments.machine.is_some() => {
-            Err(CliError::Since { found: "found a machine file beside that of --machine" })
-        }
+    let refused = |found: &str| Err(CliError::Since { found: found.to_owned(), is_now: false });
+    if let Some(folder) = of_then.iter().find(|path| path.is_dir()) {
+        return refused(&format!("the folder {}", folder.display()));
+    }
+    match of_then {
+        [file] if is_file(file) && arguments.machine.is_some() => refused("a machine file beside that of --machine"),
         [file] if is_file(file) => Ok((Some(file), &[])),
-        all if all.iter().any(is_file) => Err(CliError::Since { found: "found a machine file among others" }),
+        all if all.iter().any(is_file) => refused("a machine file among others"),
         recordings => Ok((None, recordings)),
     }
 }

@@ -155,11 +155,14 @@ pub enum CliError {
     },
     /// `--since` with what does not say one time.
     #[error(
-        "--since: {found}; expected the machine file of then, without --machine, or recordings of then beside --machine or a folder"
+        "--since: found {found}; expected {}", if *is_now { "a FOLDER or --train with the recordings of now" } else {
+        "the machine file of then, without --machine, or recordings of then beside --machine or a FOLDER" }
     )]
     Since {
         /// What was given.
-        found: &'static str,
+        found: String,
+        /// Whether what is missing is of now.
+        is_now: bool,
     },
     /// A folder without training recordings.
     #[error("{}: no train-*.csv (.txt, .mat, .mf4, .parquet); expected machine.toml, train-*.csv and holdout-*.csv, or --machine, --train and --holdout", folder.display())]

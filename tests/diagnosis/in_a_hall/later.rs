@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use diagnosis::{Diagnosis, Verdict, diagnose_since};
+use diagnosis::{Diagnosis, diagnose_since};
 use recording::seeded_noise::Noise;
 
 use super::super::bed::Case;
@@ -105,14 +105,22 @@ pub(super) fn pair(worn: Worn, number: u64) -> Pair {
     }
     let now = diagnose_since(&file, &training, &held_out, None, &|_| {}).unwrap();
     pair.ratio = ratio;
-    pair.unchanged = now.verdict == Verdict::NothingMissing;
+    pair.unchanged = now.is_unchanged();
     for finding in &now.findings {
         match report::wording::most_changed(finding) {
             Some((estimate, before)) => pair.found = Some(estimate.value / before),
             None => pair.falsely.push(finding.effect.name),
         }
     }
-    eprintln!("{}, {:?}, {:.0} s", pair.line(), now.verdict, begun.elapsed().as_secs_f64());
+    let pressed = now.tolerances().into_iter().filter(|one| one.left_then.is_some()).map(|one| one.parameter);
+    let pressed = pressed.collect::<Vec<_>>();
+    eprintln!(
+        "{}, {:?}, {:.0} s, at the end of what was left: {pressed:?}",
+        pair.line(),
+        now.verdict,
+        begun.elapsed().as_secs_f64()
+    );
+    eprintln!("    {}", report::terminal::sentence(&now));
     pair
 }
 

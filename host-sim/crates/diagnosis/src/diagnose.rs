@@ -22,6 +22,7 @@ use crate::catalogue::{CATALOGUE, Hypothesis, Scene, Subsystem};
 use crate::correction_table::improved;
 use crate::decision::{Decision, decide};
 use crate::ending::{Ending, missed_in};
+use crate::finding::Finding;
 use crate::gains;
 use crate::localisation::locate::locate;
 use crate::localisation::{Case, Location, Miss, Sought, misses};
@@ -32,7 +33,7 @@ use crate::selection::excerpt::Excerpt;
 use crate::selection::screen::Lead;
 use crate::selection::{Candidate, Question, Selection};
 use crate::settled_valve::SettledValve;
-use crate::since::{changeable, held, may_be_found, since_then};
+use crate::since::{changeable, held, may_be_found, of_oil, other_oil, since_then, untested};
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
@@ -132,13 +133,19 @@ fn diagnosed(
     let on = self::held(file, &sheet);
     let since_held = if asks_since { on.as_slice() } else { &[] };
     let changeable = changeable(&file.machine, &sheet, since_held);
-    let free = if asks_since { since_then(&sheet, &file.machine, &changeable) } else { sheet };
-    let valve = SettledValve::of(&file.machine, &free, &trained)?;
+    let of_oil = if asks_since { of_oil(file, &trained) } else { None };
+    let free = if asks_since { since_then(&sheet, (file, &trained), since_held, &changeable) } else { sheet };
+    let free: Vec<Free> = free.into_iter().chain(of_oil).collect();
+    let valve = SettledValve::of(&file.machine, &free, &changeable, &trained)?;
     let machine = valve.as_ref().map_or(&file.machine, |valve| &valve.machine);
     let base_parameters = valve.as_ref().map_or(free.as_slice(), |valve| &valve.free);
     let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
     let scene = Scene { held: since_held, changeable: &changeable, ..scene(file, machine, &judged, &trained)? };
-    let (hypotheses, not_testable) = hypotheses(&scene, &on, valve.is_some());
+    let (mut hypotheses, not_testable) = hypotheses(&scene, &on, valve.is_some());
+    // What is part of the model already is no effect beside it.
+    let is_there =
+        |effect: &Hypothesis| of_oil.is_some_and(|free| effect.amounts().any(|own| own.parameter == free.parameter));
+    hypotheses.retain(|effect| !is_there(effect));
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, base_parameters, hypotheses: &hypotheses };
     let (mut selection, decided, beside) = searched(asked, (&mut trained, &held), excerpt.as_mut(), progress)?;
@@ -199,13 +206,19 @@ fn diagnosed(
     let started = references.iter().copied().zip(after.fit.starts.iter().copied());
     let left = above_noise(misses(&after.fit.machine, started)?);
     let left_held_out = above_noise(missed_in(&after.fit.machine, &opened)?);
+    let untested = untested(since_held, &changeable, &hypotheses, (&free, &estimates));
+    let other_oil = if asks_since { other_oil(file, &trained, &after.fit.machine) } else { None };
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
     let plain: Vec<&Prepared> = plain.iter().flat_map(|plain| plain.trained.iter().chain(&plain.held)).collect();
     let shown = show_all(trained, held, &plain, &plain_base.fit, &after.fit)?;
     let of_spool = valve.map(|valve| valve.estimates).unwrap_or_default();
+    let refitted = of_base(&free, &findings, of_spool.into_iter().chain(estimates));
     Ok(Diagnosis {
         machine: file.name.clone(),
         since: asks_since.then(|| on.clone()),
+        then: None,
+        untested,
+        other_oil,
         doubts: Vec::new(),
         verdict,
         located,
@@ -219,7 +232,7 @@ fn diagnosed(
         not_confirmed,
         unnamed,
         confirmation,
-        refitted: of_base(&free, of_spool.into_iter().chain(estimates)),
+        refitted,
         base_parameters: free,
         correlated: after.correlations(),
         shown,
@@ -282,17 +295,19 @@ fn scene<'a>(
     })
 }
 
-/// The effects that these recordings may show, and those that they cannot: `on` are those of the machine file. Of a valve that is settled none is asked.
+/// The effects that these recordings may show, and those that they cannot: `on` are those of the machine file. Of a valve that is settled
+/// only those are asked that may have changed.
 fn hypotheses(
     scene: &Scene<'_>,
     on: &[&Hypothesis],
     is_settled: bool,
 ) -> (Vec<&'static Hypothesis>, Vec<&'static Hypothesis>) {
+    let is_held = |effect: &Hypothesis| scene.held.iter().any(|held| held.name == effect.name);
     CATALOGUE
         .iter()
         .copied()
-        .filter(|effect| may_be_found(effect, on, scene.held) && effect.is_reached(scene))
-        .filter(|effect| !is_settled || effect.subsystem != Subsystem::Valve)
+        .filter(|effect| may_be_found(effect, on, scene.held, scene.changeable) && effect.is_reached(scene))
+        .filter(|effect| !is_settled || effect.subsystem != Subsystem::Valve || is_held(effect))
         .partition(|effect| effect.is_testable(scene))
 }
 
@@ -319,9 +334,13 @@ fn place(
     Ok(locate(&Sought { machine, load, cases, named, predicted_gains: &predicted_gains })?)
 }
 
-/// The estimates of base parameters, in their order.
-fn of_base(free: &[Free], estimates: impl Iterator<Item = Estimate>) -> Vec<Estimate> {
-    let estimates: Vec<Estimate> = estimates.collect();
+/// The estimates of base parameters, in their order. An amount that has changed is the finding's.
+fn of_base(free: &[Free], findings: &[Finding], estimates: impl Iterator<Item = Estimate>) -> Vec<Estimate> {
+    let mut estimates: Vec<Estimate> = estimates.collect();
+    let has_changed = |one: &Estimate| {
+        findings.iter().flat_map(|finding| &finding.before).any(|(parameter, _)| *parameter == one.parameter)
+    };
+    estimates.retain(|one| !has_changed(one));
     let of = |free: &Free| estimates.iter().find(|estimate| estimate.parameter == free.parameter).copied();
     free.iter().filter_map(of).collect()
 }

@@ -32,3 +32,4 @@ pub use diagnose::{DiagnoseError, Progress, base_parameters, diagnose, diagnose_
 pub use finding::Finding;
 pub use outcome::{Diagnosis, Fits, Shown, Verdict};
 pub use pressure_zero::read_absolute;
+pub use since::OtherOil;

@@ -16,6 +16,7 @@ use crate::finding::Finding;
 use crate::localisation::{Location, Miss};
 use crate::outside::Outside;
 use crate::selection::{Confirmation, Selection};
+use crate::since::OtherOil;
 
 /// How it ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -36,6 +37,12 @@ pub struct Diagnosis {
     pub machine: String,
     /// The effects of the machine file that may have changed since it was written, where that was asked.
     pub since: Option<Vec<&'static Hypothesis>>,
+    /// How the diagnosis of the recordings of then ended, where it was made from such.
+    pub then: Option<Verdict>,
+    /// Of those effects the ones of which these recordings do not tell whether they have changed.
+    pub untested: Vec<&'static Hypothesis>,
+    /// What is different with the oil since then, where its temperature is known at both times.
+    pub other_oil: Option<OtherOil>,
     /// How it ended.
     pub verdict: Verdict,
     /// Where the misfit is; `None` if nothing is missing and no effect is suspected or was withdrawn.
@@ -137,6 +144,14 @@ impl Diagnosis {
     #[must_use]
     pub fn changes(&self) -> bool {
         !self.findings.is_empty() || self.unnamed.is_some() || self.outside.is_some()
+    }
+
+    /// Whether nothing has changed since then, as far as was asked: the model of then follows, with values near those that it had, and the recordings would
+    /// show a change of each of its effects.
+    #[must_use]
+    pub fn is_unchanged(&self) -> bool {
+        let follows = self.since.is_some() && self.verdict == Verdict::NothingMissing;
+        follows && self.untested.is_empty() && self.far_values().is_empty()
     }
 
     /// Refitted base parameters far from where the machine file says they are.

@@ -2,13 +2,14 @@
 //!
 //! Of a drive that is known by its data sheet much is free. What is missing below the spool would bend the valve, whose values are known well from the
 //! spool, and an effect of the valve would be tried for it. So the valve is fitted to the spool alone. Where that comes down to the noise, what the
-//! spool tells is kept, and no effect of the valve is missing.
+//! spool tells is kept, and no effect of the valve is missing. What may have changed stays free: how much there was of it is not overwritten.
 
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
 use identification::fit::{Estimate, Fit, FitError, Free, inflation, softened_all, spool_alone};
 use model_core::machine::Machine;
 
+use crate::catalogue::EffectParameter;
 use crate::localisation::misses;
 use crate::selection::decision_rule::{SPOOL_TOLD_WITHIN, VALVE_SETTLED_WITHIN};
 
@@ -25,7 +26,14 @@ pub(crate) struct SettledValve {
 impl SettledValve {
     /// `None` where a recording lacks the spool or anything below it, where the spool is not explained, or where nothing is a tolerance: such a drive is
     /// known well enough.
-    pub(crate) fn of(machine: &Machine<f64>, free: &[Free], cases: &[Prepared]) -> Result<Option<Self>, FitError> {
+    ///
+    /// The amounts that are `changeable` stay free.
+    pub(crate) fn of(
+        machine: &Machine<f64>,
+        free: &[Free],
+        changeable: &[&EffectParameter],
+        cases: &[Prepared],
+    ) -> Result<Option<Self>, FitError> {
         if free.iter().all(|free| free.tolerance().is_none()) {
             return Ok(None);
         }
@@ -36,8 +44,10 @@ impl SettledValve {
         }
         let residuals = softened_all(&fit.machine, with_starts())?;
         let counts = counts_from(spools[0].stimulus.input_point);
+        let may_change = |parameter| changeable.iter().any(|amount| amount.parameter == parameter);
+        let is_settled = |one: &Estimate| !may_change(one.parameter) && is_told(&fit, one);
         let estimates: Vec<Estimate> =
-            fit.estimates(inflation(&residuals, counts)).into_iter().filter(|one| is_told(&fit, one)).collect();
+            fit.estimates(inflation(&residuals, counts)).into_iter().filter(is_settled).collect();
         let mut settled = *machine;
         for told in &estimates {
             settled.set(told.parameter, told.value);

@@ -1,10 +1,11 @@
 //! What has changed since a machine file was written, or since recordings were made: the effects that a file holds may have become more or less.
 
-use identification::fit::{Free, Freedom};
+use identification::experiment::Prepared;
+use identification::fit::{Estimate, Free, Freedom};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter};
 
-use crate::catalogue::{CATALOGUE, EffectParameter, Hypothesis, covered_by, tolerance};
+use crate::catalogue::{AMOUNT_KNOWN, CATALOGUE, EffectParameter, Hypothesis, covered_by, tolerance};
 use crate::outcome::Diagnosis;
 
 /// The effects that a machine file holds, beyond what is a tolerance by its `sheet` of base parameters.
@@ -13,59 +14,194 @@ pub(crate) fn held(file: &MachineFile, sheet: &[Free]) -> Vec<&'static Hypothesi
 }
 
 /// Whether an effect may be found beside those that are on: none of them, but where it may have changed. What has become more of it is not given to
-/// another effect of its kind.
-pub(crate) fn may_be_found(effect: &Hypothesis, on: &[&Hypothesis], held: &[&Hypothesis]) -> bool {
+/// another effect of its kind. A floor of the pressures has no amount that could change.
+pub(crate) fn may_be_found(
+    effect: &Hypothesis,
+    on: &[&Hypothesis],
+    held: &[&Hypothesis],
+    changeable: &[&EffectParameter],
+) -> bool {
     let is_it = |other: &&Hypothesis| other.name == effect.name;
     let is_of_its_kind = |other: &&Hypothesis| other.plainest() == effect.plainest();
-    if on.iter().any(is_it) { held.iter().any(is_it) } else { !held.iter().any(is_of_its_kind) }
+    let can_change = || effect.amounts().any(|own| changeable.iter().any(|amount| amount.parameter == own.parameter));
+    if on.iter().any(is_it) { held.iter().any(is_it) && can_change() } else { !held.iter().any(is_of_its_kind) }
 }
 
-/// An amount of an effect that a machine file holds is known to this share of itself: what differs by less, from one recording of a drive to another or by
-/// what else a fit leaves open, has not changed. Source: half of what a strength may be off by, chosen.
-const AMOUNT_KNOWN: f64 = 0.1;
-
-/// The amounts of effects that may have changed: those of which the machine file holds more than a tolerance.
+/// The amounts of effects that may have changed: those of which the machine file holds more than a tolerance. One that several forms share comes once.
 pub(crate) fn changeable(
     machine: &Machine<f64>,
     sheet: &[Free],
     held: &[&'static Hypothesis],
 ) -> Vec<&'static EffectParameter> {
-    let amounts = held.iter().flat_map(|effect| effect.amounts());
-    amounts.filter(|amount| machine.get(amount.parameter).abs() > tolerance(sheet, amount.parameter)).collect()
+    let mut found: Vec<&EffectParameter> = Vec::new();
+    for amount in held.iter().flat_map(|effect| effect.amounts()) {
+        let is_known = found.iter().any(|known| known.parameter == amount.parameter);
+        if !is_known && machine.get(amount.parameter).abs() > tolerance(sheet, amount.parameter) {
+            found.push(amount);
+        }
+    }
+    found
 }
 
-/// The base parameters once they were fitted, with the amounts that may have changed in the place of their tolerances.
-pub(crate) fn since_then(sheet: &[Free], machine: &Machine<f64>, changeable: &[&EffectParameter]) -> Vec<Free> {
-    let mut free: Vec<Free> = sheet.iter().copied().map(once_fitted).collect();
+/// The base parameters once they were fitted, with the amounts that may have changed in the place of what else the file says of them and of their
+/// tolerances.
+pub(crate) fn since_then(
+    sheet: &[Free],
+    (file, cases): (&MachineFile, &[Prepared]),
+    held: &[&Hypothesis],
+    changeable: &[&EffectParameter],
+) -> Vec<Free> {
+    let knows_oil = knows_oil(file, cases);
+    let is_of_the_day = |free: &Free| {
+        let acts_like = |names: &[&str]| held.iter().any(|effect| names.contains(&effect.name));
+        let is_oils = knows_oil && free.parameter == Parameter::ViscousFriction;
+        !is_oils && OF_THE_DAY.iter().any(|(parameter, alike)| *parameter == free.parameter && !acts_like(alike))
+    };
+    let mut free: Vec<Free> =
+        sheet.iter().map(|free| if is_of_the_day(free) { *free } else { once_fitted(*free, file) }).collect();
     for amount in changeable {
-        let (parameter, value) = (amount.parameter, machine.get(amount.parameter));
-        free.retain(|free| free.tolerance().is_none() || ![parameter, covered_by(parameter)].contains(&free.parameter));
-        if !amount.is_jump() && free.iter().all(|free| free.parameter != parameter) {
-            free.push(Free { parameter, freedom: Freedom::Near { nominal: value, most: AMOUNT_KNOWN * value.abs() } });
+        let (parameter, value) = (amount.parameter, file.machine.get(amount.parameter));
+        let covers = |free: &Free| free.tolerance().is_some() && free.parameter == covered_by(parameter);
+        free.retain(|free| free.parameter != parameter && !covers(free));
+        if !amount.is_jump() {
+            let most = AMOUNT_KNOWN * value.abs();
+            free.push(Free { parameter, freedom: Freedom::Near { nominal: value, most, within: None } });
         }
     }
     free
 }
 
-/// What is of the oil and of the day, not of the drive: it may be different at another time, however well it was known.
-const OF_THE_DAY: [Parameter; 4] =
-    [Parameter::BulkModulus, Parameter::ViscousFriction, Parameter::TankPressure, Parameter::LoadForce];
+/// What is of the oil and of the day, not of the drive: it may be different at another time, however well it was known. Where an effect that acts like it
+/// may have changed, it is known as the rest is: it would take up the change. So is viscous friction where the oil's temperature is known at both times.
+const OF_THE_DAY: [(Parameter, &[&str]); 5] = [
+    (Parameter::BulkModulus, &["entrained-air", "hose-compliance"]),
+    (Parameter::ViscousFriction, &[]),
+    (Parameter::TankPressure, &["tank-back-pressure"]),
+    (Parameter::LoadForce, &["position-dependent-load", "friction-asymmetry"]),
+    (Parameter::AirShare, &["hose-compliance"]),
+];
+
+/// What is set by hand: known once it was fitted, but not bounded.
+const SET_BY_HAND: [Parameter; 1] = [Parameter::SupplyPressure];
 
 /// So many times as well as a data sheet says a value is known once it was fitted. Where a fit leaves a combination of values open, it is the same at
 /// another time.
-const KNOWN_TIMES: f64 = 5.0;
+pub(crate) const KNOWN_TIMES: f64 = 5.0;
 
-/// A base parameter as it is known once it was fitted.
-fn once_fitted(free: Free) -> Free {
+/// Standard deviations that a value of the drive itself stays within. A prior without an end gives way to recordings that press hard enough, and a leak that
+/// has doubled is then a valve that no drive has.
+const BOUNDED_BY: f64 = 2.0;
+
+/// A base parameter as it is known once it was fitted. Of a tolerance a part is left around what the file holds within it; of one that was never fitted, all.
+fn once_fitted(free: Free, file: &MachineFile) -> Free {
+    /// Of what exceeds a least value, the share that a bound comes to it at most.
+    const KEPT: f64 = 0.9;
+    let bounded = |nominal: f64, most: f64| Freedom::Near { nominal, most, within: None };
     let freedom = match free.freedom {
-        _ if OF_THE_DAY.contains(&free.parameter) => free.freedom,
-        Freedom::Around { nominal, sigma } => Freedom::Around { nominal, sigma: sigma / KNOWN_TIMES },
+        Freedom::Around { nominal, sigma } if SET_BY_HAND.contains(&free.parameter) => {
+            Freedom::Around { nominal, sigma: sigma / KNOWN_TIMES }
+        }
+        Freedom::Around { nominal, sigma } => bounded(nominal, BOUNDED_BY * sigma / KNOWN_TIMES),
         Freedom::Roughly { least, nominal, spread } => {
-            Freedom::Roughly { least, nominal, spread: spread / KNOWN_TIMES }
+            bounded(nominal, (nominal - least) * (BOUNDED_BY * spread / KNOWN_TIMES).min(KEPT))
+        }
+        Freedom::Within { most, is_signed } if file.given.contains(&free.parameter) => {
+            let (parameter, half) = (free.parameter, if is_signed { most } else { 0.5 * most });
+            let then = file.machine.get(parameter);
+            return Free::part_of_tolerance(parameter, most, is_signed, then, half / KNOWN_TIMES);
         }
         other => other,
     };
     Free { freedom, ..free }
+}
+
+/// Times its standard deviation by the recordings that a change has to exceed to show. Source: once in 400 by chance.
+const SHOWS_FROM: f64 = 3.0;
+
+/// The effects that may have changed and of which these recordings do not tell it: no form of theirs can be tried, or a change by half of any of their
+/// amounts would be chance. `estimates` are those of the model after the diagnosis.
+pub(crate) fn untested(
+    held: &[&'static Hypothesis],
+    changeable: &[&EffectParameter],
+    hypotheses: &[&'static Hypothesis],
+    (free, estimates): (&[Free], &[Estimate]),
+) -> Vec<&'static Hypothesis> {
+    let is_told = |amount: &&EffectParameter| {
+        let free = free.iter().find(|free| free.parameter == amount.parameter);
+        let estimate = estimates.iter().find(|estimate| estimate.parameter == amount.parameter);
+        // What jumps is searched over its whole range.
+        let (Some(free), Some(estimate)) = (free, estimate) else { return true };
+        shows(free, estimate)
+    };
+    let is_tested = |effect: &Hypothesis| {
+        let own = |amount: &&&EffectParameter| effect.amounts().any(|own| own.parameter == amount.parameter);
+        hypotheses.iter().any(|known| known.name == effect.name) && changeable.iter().filter(own).any(is_told)
+    };
+    held.iter().copied().filter(|effect| !is_tested(effect)).collect()
+}
+
+/// Whether the recordings would show a change by half of an amount. What they say by themselves is what is left of its estimate's precision without that of
+/// its prior.
+fn shows(free: &Free, estimate: &Estimate) -> bool {
+    let Freedom::Near { nominal, most, .. } = free.freedom else { return true };
+    // What has moved, the recordings have moved.
+    if (estimate.value - nominal).abs() > 0.5 * most {
+        return true;
+    }
+    let deviation = estimate.std / free.width(estimate.value);
+    let alone = deviation / (1.0 - deviation * deviation).max(0.0).sqrt();
+    SHOWS_FROM * alone * free.width(nominal) < 0.5 * nominal.abs()
+}
+
+/// Oil of another temperature than then, where both are known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OtherOil {
+    /// Mean temperature then, °C.
+    pub then_c: f64,
+    /// Mean recorded temperature, °C.
+    pub now_c: f64,
+    /// Its viscosity, as a share of that of then.
+    pub viscosity: f64,
+}
+
+impl OtherOil {
+    /// Whether it is different enough to be told: by more than an amount is known.
+    #[must_use]
+    pub fn is_told(&self) -> bool {
+        (self.viscosity - 1.0).abs() > AMOUNT_KNOWN
+    }
+}
+
+/// What the temperature of the oil changes, where it is recorded and the machine file says at which one its values hold: its law is known by the oil's
+/// kind, and a drive that is only warmer has not changed.
+pub(crate) fn of_oil(file: &MachineFile, cases: &[Prepared]) -> Option<Free> {
+    /// Relative loss of viscosity per kelvin of mineral oil, as `oil-temperature` has it: two standard deviations either way.
+    const USUAL_PER_K: (f64, f64) = (0.02, 0.06);
+    let parameter = Parameter::ViscosityLossPerKelvin;
+    let is_on = file.machine.get(parameter) > 0.0;
+    let (low, high) = USUAL_PER_K;
+    let freedom = Freedom::Logarithm { centre: (low * high).sqrt(), spread: 0.25 * (high / low).ln(), vanishes: false };
+    (!is_on && knows_oil(file, cases)).then_some(Free { parameter, freedom })
+}
+
+/// Whether the oil's temperature is known at both times.
+fn knows_oil(file: &MachineFile, cases: &[Prepared]) -> bool {
+    file.given.contains(&Parameter::ReferenceTemperature) && mean_oil_c(cases).is_some()
+}
+
+/// Mean temperature of the oil in the recordings that have it, °C.
+fn mean_oil_c<'a>(cases: impl IntoIterator<Item = &'a Prepared>) -> Option<f64> {
+    let recorded: Vec<f64> = cases.into_iter().filter_map(|case| case.stimulus.mean_oil_c()).collect();
+    (!recorded.is_empty()).then(|| recorded.iter().sum::<f64>() / recorded.len() as f64)
+}
+
+/// Oil of another temperature than then, where the machine after a diagnosis has its law.
+pub(crate) fn other_oil(file: &MachineFile, cases: &[Prepared], after: &Machine<f64>) -> Option<OtherOil> {
+    let (now_c, loss) = (mean_oil_c(cases)?, after.get(Parameter::ViscosityLossPerKelvin));
+    let then = Parameter::ReferenceTemperature;
+    let then_c = (loss > 0.0 && knows_oil(file, cases)).then(|| file.machine.get(then))?;
+    let viscosity = (-loss * (now_c - after.get(then))).exp().clamp(0.125, 8.0);
+    Some(OtherOil { then_c, now_c, viscosity })
 }
 
 impl Diagnosis {
@@ -82,8 +218,17 @@ impl Diagnosis {
         for parameter in of_effects().flat_map(|parameter| [parameter, covered_by(parameter)]) {
             after.tolerance.remove(&parameter);
         }
+        // What a file holds is for the oil that it was fitted to.
+        let oil_c = mean_oil_c(self.shown.iter().filter(|shown| !shown.held_out).map(|shown| &shown.prepared));
+        if let Some(oil_c) = oil_c.filter(|_| after.machine.get(Parameter::ViscosityLossPerKelvin) == 0.0) {
+            after.machine.set(Parameter::ReferenceTemperature, oil_c);
+            after.given.insert(Parameter::ReferenceTemperature);
+        }
         after.effects.extend(self.unnamed.as_ref().map(|_| "unnamed"));
         after.effects.extend(self.findings.iter().map(|finding| finding.effect.name));
         after
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -26,7 +26,7 @@ use response::Responses;
 pub use change::Change;
 pub use far_value::{Cause, FarValue, far_values};
 pub(crate) use tolerated::USED_UP;
-pub use tolerated::{Tolerated, has_sensor, not_tolerated, tolerated};
+pub use tolerated::{Tolerated, has_sensor, not_tolerated, sensor_of, tolerated};
 pub use trial::Trial;
 
 /// Most recordings that a doubt is tried on.

@@ -23,6 +23,9 @@ pub struct Tolerated {
     pub most: f64,
     /// Whether the fit used the tolerance up to its end: then there may be more of it than a drive has within its drawing.
     pub at_limit: bool,
+    /// Where only a part of the tolerance is left, around a value of then: that value, if the fit used up the part. Then it may have changed, within the
+    /// drawing.
+    pub left_then: Option<f64>,
 }
 
 /// Those of fitted values that are base parameters and no tolerances.
@@ -32,15 +35,22 @@ pub fn not_tolerated(free: &[Free], estimates: &[Estimate]) -> Vec<Estimate> {
     estimates.iter().filter(|estimate| !is_tolerance(estimate.parameter)).copied().collect()
 }
 
+/// The signal whose sensor reads otherwise by a parameter, of the signals that every drive has not.
+#[must_use]
+pub fn sensor_of(parameter: Parameter) -> Option<Signal> {
+    use Parameter as P;
+    match parameter {
+        P::PressureAOffset | P::PressureAFactor => Some(Signal::PressureA),
+        P::PressureBOffset | P::PressureBFactor => Some(Signal::PressureB),
+        P::SpoolOffset | P::SpoolFactor => Some(Signal::Spool),
+        _ => None,
+    }
+}
+
 /// Whether one of these recordings has the sensor whose reading a parameter changes, or the parameter is of no such sensor.
 pub fn has_sensor<'a>(cases: impl IntoIterator<Item = &'a Prepared>, parameter: Parameter) -> bool {
-    use Parameter as P;
-    let (signal, driven_by) = match parameter {
-        P::PressureAOffset | P::PressureAFactor => (Signal::PressureA, InputPoint::Force),
-        P::PressureBOffset | P::PressureBFactor => (Signal::PressureB, InputPoint::Force),
-        P::SpoolOffset | P::SpoolFactor => (Signal::Spool, InputPoint::Spool),
-        _ => return true,
-    };
+    let Some(signal) = sensor_of(parameter) else { return true };
+    let driven_by = if signal == Signal::Spool { InputPoint::Spool } else { InputPoint::Force };
     cases.into_iter().any(|case| {
         case.stimulus.input_point == driven_by || case.channels.iter().any(|channel| channel.signal == signal)
     })
@@ -50,9 +60,13 @@ pub fn has_sensor<'a>(cases: impl IntoIterator<Item = &'a Prepared>, parameter: 
 #[must_use]
 pub fn tolerated(free: &[Free], estimates: &[Estimate]) -> Vec<Tolerated> {
     let of = |estimate: &Estimate| {
-        let most = free.iter().find(|free| free.parameter == estimate.parameter)?.tolerance()?;
+        let free = free.iter().find(|free| free.parameter == estimate.parameter)?;
+        let most = free.tolerance()?;
         let Estimate { parameter, value, std, .. } = *estimate;
-        Some(Tolerated { parameter, value, std, most, at_limit: value.abs() > USED_UP * most })
+        let at_limit = value.abs() > USED_UP * most;
+        let is_used_up = free.share_used(value).is_some_and(|share| share > USED_UP);
+        let left_then = (is_used_up && !at_limit).then(|| free.nominal());
+        Some(Tolerated { parameter, value, std, most, at_limit, left_then })
     };
     estimates.iter().filter_map(of).collect()
 }
@@ -95,6 +109,9 @@ mod tests {
         let expected =
             [(Parameter::StribeckForce, true), (Parameter::MeteringRatio, true), (Parameter::AirShare, false)];
         assert_eq!(told, expected);
+        let part = Free::part_of_tolerance(Parameter::StribeckForce, 870.0, false, 300.0, 87.0);
+        let left = |value| tolerated(&[part], &[estimate(Parameter::StribeckForce, value)])[0].left_then;
+        assert_eq!((left(386.0), left(340.0)), (Some(300.0), None));
         assert_eq!(not_tolerated(&free, &estimates), estimates[3..]);
     }
 }

@@ -87,10 +87,43 @@ impl Scene<'_> {
         }
     }
 
+    /// How an effect that may have changed acted then; `None` of any other, and of a rigid friction's stiffness.
+    #[must_use]
+    pub fn shape_then(&self, shape: &EffectParameter) -> Option<f64> {
+        let is_own = |effect: &&Hypothesis| {
+            let mut forms = effect.every_form().filter(|form| self.holds(form));
+            forms.any(|form| form.iter().any(|own| own.parameter == shape.parameter))
+        };
+        let there = self.machine.get(shape.parameter);
+        (there > 0.0 && self.held.iter().any(is_own)).then_some(there)
+    }
+
     /// Whether a form is one of an effect that may have changed.
     #[must_use]
     pub fn holds(&self, form: Form) -> bool {
-        form.iter().any(|effect_parameter| self.before(effect_parameter) != 0.0)
+        self.held_in(form) > 0
+    }
+
+    /// How many of the amounts that may have changed a form has.
+    fn held_in(&self, form: Form) -> usize {
+        form.iter().filter(|effect_parameter| self.before(effect_parameter) != 0.0).count()
+    }
+
+    /// Whether this much of an amount is more, or less, than these base parameters leave open: of one that may have changed, beyond what was known of it.
+    #[must_use]
+    pub fn is_beyond(&self, base_parameters: &[Free], amount: &EffectParameter, value: f64) -> bool {
+        if let Some(is_changed) = self.is_changed(amount, value) {
+            return is_changed;
+        }
+        let cover = base_parameters.iter().find(|free| free.parameter == covered_by(amount.parameter));
+        cover.and_then(|free| free.share_used(value)).map_or(value != 0.0, |share| share > 1.0)
+    }
+
+    /// Whether an amount that may have changed has done so; `None` of any other.
+    #[must_use]
+    pub fn is_changed(&self, amount: &EffectParameter, value: f64) -> Option<bool> {
+        let before = self.before(amount);
+        (before != 0.0).then(|| (value - before).abs() > AMOUNT_KNOWN * before.abs())
     }
 
     /// The force of the full supply on side A, N.
@@ -124,6 +157,10 @@ pub fn full_flow_m3_per_s(machine: &Machine<f64>) -> f64 {
     let opened = machine.get(Parameter::FlowCoefficient) * machine.get(Parameter::SupplyPressure).sqrt();
     opened.min(machine.get(Parameter::FlowLimit))
 }
+
+/// An amount of an effect that a machine file holds is known to this share of itself: what differs by less, from one recording of a drive to another or by
+/// what else a fit leaves open, has not changed. Source: half of what a strength may be off by, chosen.
+pub(crate) const AMOUNT_KNOWN: f64 = 0.1;
 
 /// How an effect parameter moves in a search.
 #[derive(Clone, Copy, Debug)]
@@ -259,10 +296,15 @@ impl Hypothesis {
         self.effect_parameters().filter(|effect_parameter| effect_parameter.is_amount())
     }
 
-    /// The forms that a scene can show.
+    /// The forms that a scene can show. Of an effect that may have changed those that have of its amounts as many as any form has: what it has become more
+    /// of is no other form of it. They may be refined ones.
     pub fn forms_in<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Form> + 'a {
         let hidden = |effect_parameter: &EffectParameter| matches!(effect_parameter.kind, Kind::Signed(size) if size(scene) == 0.0);
-        self.forms.iter().copied().filter(move |form| !form.iter().any(hidden))
+        let most = self.every_form().map(|form| scene.held_in(form)).max().unwrap_or(0);
+        let is_refined_only = self.forms.iter().all(|form| scene.held_in(form) < most);
+        let refined = if is_refined_only { self.refined } else { &[] };
+        let forms = self.forms.iter().chain(refined).copied();
+        forms.filter(move |form| scene.held_in(form) == most && !form.iter().any(hidden))
     }
 
     /// The forms that refine one of its forms.
@@ -323,13 +365,9 @@ pub fn covered_by(amount: Parameter) -> Parameter {
     }
 }
 
-/// The largest magnitude of an amount within its tolerance, or of a change of one that may have changed; 0 where it has neither.
+/// The largest magnitude of an amount within its tolerance; 0 where it has none.
 #[must_use]
 pub fn tolerance(base_parameters: &[Free], amount: Parameter) -> f64 {
-    let itself = base_parameters.iter().find(|free| free.parameter == amount);
-    if let Some(most) = itself.and_then(Free::near) {
-        return most;
-    }
     let known = base_parameters.iter().find(|free| free.parameter == covered_by(amount));
     known.and_then(Free::tolerance).unwrap_or(0.0)
 }

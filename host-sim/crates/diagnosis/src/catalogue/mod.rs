@@ -38,6 +38,7 @@ mod valve_leakage;
 
 use model_core::machine::Parameter;
 
+pub(crate) use hypothesis::AMOUNT_KNOWN;
 use hypothesis::LUGRE;
 
 pub use hypothesis::{

@@ -3,9 +3,11 @@
 use identification::fit::{Free, Freedom};
 
 use crate::catalogue::{EffectParameter, Kind, Scene};
+use crate::since::KNOWN_TIMES;
 
 impl EffectParameter {
-    /// How a fit moves this parameter: a broad prior over its usual range.
+    /// How a fit moves this parameter: a broad prior over its usual range. How an effect acts that may have changed is known from then: what wears is its
+    /// amount.
     #[must_use]
     pub fn free(&self, scene: &Scene<'_>) -> Free {
         // The usual range, widened threefold, is ±2 standard deviations.
@@ -16,7 +18,12 @@ impl EffectParameter {
         };
         let freedom = match self.kind {
             Kind::Amount(range) | Kind::Firm(range) | Kind::Jump(range) => logarithm(range(scene), true),
-            Kind::Shape(range, _) => logarithm(range(scene), false),
+            Kind::Shape(range, _) => match (scene.shape_then(self), logarithm(range(scene), false)) {
+                (Some(centre), Freedom::Logarithm { spread, .. }) => {
+                    Freedom::Logarithm { centre, spread: spread / KNOWN_TIMES, vanishes: false }
+                }
+                (_, broad) => broad,
+            },
             Kind::Signed(size) => Freedom::Signed { sigma: size(scene) },
             Kind::Place(range, _) | Kind::Floor(range, _) => {
                 let (low, high) = range(scene);

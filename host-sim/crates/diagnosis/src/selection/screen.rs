@@ -6,7 +6,7 @@ use identification::parallel;
 use identification::fit::{Change, Fit, Free, Sensitivity, Settled, Simulated};
 use model_core::machine::{Machine, MachineError, Parameter};
 
-use crate::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene, tolerance};
+use crate::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene};
 
 /// A form of an effect at the point of its range with the largest predicted gain.
 #[derive(Clone, Debug)]
@@ -141,12 +141,12 @@ pub fn screen(
 
 /// Whether an amount is beyond what the drive has within its tolerance anyway: less is no effect.
 fn is_beyond_tolerance(scene: &Scene<'_>, free: &[Free], form: Form, values: &[(Parameter, f64)]) -> bool {
-    let more = |amount: &EffectParameter| {
+    let is_beyond = |amount: &EffectParameter| {
         let value = values.iter().find(|(parameter, _)| *parameter == amount.parameter);
-        value.map_or(0.0, |(_, value)| (value - scene.before(amount)).abs())
+        value.is_some_and(|(_, value)| scene.is_beyond(free, amount, *value))
     };
     let mut amounts = amounts(form).peekable();
-    amounts.peek().is_none() || amounts.any(|amount| more(amount) > tolerance(free, amount.parameter))
+    amounts.peek().is_none() || amounts.any(is_beyond)
 }
 
 /// The best of the promising points of every form, by simulation at the point itself.
@@ -189,10 +189,15 @@ fn best(
     found
 }
 
-/// Every combination of the shapes' points; of an effect that may have changed, the shapes that it has.
+/// Every combination of the shapes' points; of an effect that may have changed, the shapes that it has. A rigid friction has no stiffness.
 pub fn shapes(scene: &Scene<'_>, form: Form) -> Vec<Values> {
     let tries = |shape: &EffectParameter| {
-        if scene.holds(form) { vec![scene.machine.get(shape.parameter)] } else { shape.tries(scene) }
+        let there = match shape.kind {
+            _ if !scene.holds(form) => None,
+            Kind::Shape(..) => scene.shape_then(shape),
+            _ => Some(scene.machine.get(shape.parameter)),
+        };
+        there.map_or_else(|| shape.tries(scene), |there| vec![there])
     };
     let shapes = form.iter().filter(|effect_parameter| !effect_parameter.is_amount());
     combined(Vec::new(), shapes.map(|shape| (shape.parameter, tries(shape))))

@@ -44,7 +44,8 @@ impl Selection {
                     let left = |machine: &Machine<f64>| left(machine, held_out);
                     is_by_form(&left(&self.base.fit.machine)?, &left(without)?, &left(with)?)
                 });
-            let gains = gains && told.keeps_promise();
+            let is_there = question.scene.held.iter().any(|held| held.name == effect.name);
+            let gains = gains && (is_there || told.keeps_promise());
             let gains = gains || (is_hidden && gains_on_own_side(question, &self.chosen, effect, held_out)?);
             if !(gains || self.is_found_by_jumps(effect)) {
                 refused.push(effect);

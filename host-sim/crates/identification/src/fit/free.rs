@@ -36,6 +36,8 @@ pub enum Freedom {
         nominal: f64,
         /// Largest distance from it.
         most: f64,
+        /// The largest magnitude of a tolerance of which this is a part; `None` of what is no tolerance.
+        within: Option<f64>,
     },
     /// Of either sign and of roughly known size: moves ever more stiffly towards a limit of one and a half times [`REACH`].
     Signed {
@@ -104,16 +106,38 @@ impl Free {
         Self { parameter, freedom: Freedom::Roughly { least, nominal, spread } }
     }
 
+    /// A part of a tolerance: the same distance to either side of a nominal value, moved so far that nothing of it leaves the tolerance.
+    #[must_use]
+    pub fn part_of_tolerance(parameter: Parameter, within: f64, is_signed: bool, nominal: f64, most: f64) -> Self {
+        let least = if is_signed { most - within } else { most };
+        let nominal = nominal.max(least).min(within - most);
+        Self { parameter, freedom: Freedom::Near { nominal, most, within: Some(within) } }
+    }
+
     /// The largest magnitude within its tolerance, if it has one.
     #[must_use]
     pub fn tolerance(&self) -> Option<f64> {
-        if let Freedom::Within { most, .. } = self.freedom { Some(most) } else { None }
+        match self.freedom {
+            Freedom::Within { most, .. } => Some(most),
+            Freedom::Near { within, .. } => within,
+            _ => None,
+        }
     }
 
-    /// How far it may be from its nominal value, where that is bounded on both sides.
+    /// How far it may be from its nominal value, where that is bounded on both sides and no tolerance.
     #[must_use]
     pub fn near(&self) -> Option<f64> {
-        if let Freedom::Near { most, .. } = self.freedom { Some(most) } else { None }
+        if let Freedom::Near { most, within: None, .. } = self.freedom { Some(most) } else { None }
+    }
+
+    /// How much of what is left to a tolerance a value takes up: 1 at its end. `None` of what is no tolerance.
+    #[must_use]
+    pub fn share_used(&self, value: f64) -> Option<f64> {
+        match self.freedom {
+            Freedom::Within { most, .. } => Some(value.abs() / most),
+            Freedom::Near { nominal, most, within: Some(_) } => Some((value - nominal).abs() / most),
+            _ => None,
+        }
     }
 
     /// The machine file's value: of a tolerance, and of what may vanish or have either sign, none of it.
@@ -151,7 +175,7 @@ impl Free {
     pub fn usually_off(&self) -> [f64; 2] {
         match self.freedom {
             Freedom::Within { most, is_signed } => [0.5 * most, if is_signed { -0.5 * most } else { 0.0 }],
-            Freedom::Near { nominal, most } => [nominal + 0.5 * most, nominal - 0.5 * most],
+            Freedom::Near { nominal, most, .. } => [nominal + 0.5 * most, nominal - 0.5 * most],
             _ => [self.value(1.0), self.value(-1.0)],
         }
     }
@@ -178,7 +202,7 @@ impl Free {
             }
             Freedom::Within { most, is_signed: true } => most * (0.5 * coordinate).tanh(),
             Freedom::Within { most, is_signed: false } => most * 0.5 * (1.0 + (0.5 * coordinate).tanh()),
-            Freedom::Near { nominal, most } => nominal + most * (0.5 * coordinate).tanh(),
+            Freedom::Near { nominal, most, .. } => nominal + most * (0.5 * coordinate).tanh(),
             Freedom::Signed { sigma } => sigma * REACH_SIGNED * (coordinate / REACH_SIGNED).tanh(),
             Freedom::Logarithm { centre, spread, vanishes } => {
                 centre * (spread * reached(coordinate, vanishes)).max(-40.0).exp()
@@ -200,7 +224,7 @@ impl Free {
                 let share = if is_signed { value / most } else { 2.0 * value / most - 1.0 };
                 2.0 * share.clamp(-0.99, 0.99).atanh()
             }
-            Freedom::Near { nominal, most } => 2.0 * ((value - nominal) / most).clamp(-0.99, 0.99).atanh(),
+            Freedom::Near { nominal, most, .. } => 2.0 * ((value - nominal) / most).clamp(-0.99, 0.99).atanh(),
             Freedom::Signed { sigma } => REACH_SIGNED * (value / sigma / REACH_SIGNED).clamp(-0.99, 0.99).atanh(),
             Freedom::Logarithm { centre, spread, vanishes } => {
                 let deviations = (value / centre).max(1e-17).ln() / spread;
@@ -272,7 +296,7 @@ mod tests {
             Freedom::Roughly { least: 0.01, nominal: 0.02, spread: 0.7 },
             signed(true),
             signed(false),
-            Freedom::Near { nominal: 0.02, most: 0.002 },
+            Freedom::Near { nominal: 0.02, most: 0.002, within: None },
             Freedom::Signed { sigma: 0.05 },
             Freedom::Logarithm { centre: 0.01, spread: 0.7, vanishes: false },
         ] {
@@ -305,6 +329,26 @@ mod tests {
         assert!(matches!(Free::around(Parameter::MovingMass, 100.0, 5.0).freedom, Freedom::Around { .. }));
         let lap = Free::around(Parameter::DeadZone, 0.0, 0.03);
         assert!(lap.slope(0.0) > 0.0 && (0.001..0.03).contains(&lap.value(0.0)));
+    }
+
+    #[test]
+    fn a_part_of_a_tolerance_stays_within_it_and_is_used_up_at_its_own_ends() {
+        let part =
+            |is_signed, nominal| Free::part_of_tolerance(Parameter::MeteringRatio, 0.08, is_signed, nominal, 0.01);
+        for (is_signed, nominal, [low, high]) in [
+            (true, 0.02, [0.01, 0.03]),
+            (true, -0.1, [-0.08, -0.06]),
+            (false, 0.0, [0.0, 0.02]),
+            (false, 0.079, [0.06, 0.08]),
+        ] {
+            let free = part(is_signed, nominal);
+            assert!((free.value(-40.0) - low).abs() < 1e-9 && (free.value(40.0) - high).abs() < 1e-9, "{free:?}");
+            assert!((free.share_used(high).unwrap() - 1.0).abs() < 1e-9 && free.near().is_none());
+            assert_eq!(free.tolerance(), Some(0.08));
+        }
+        let whole =
+            Free { parameter: Parameter::MeteringRatio, freedom: Freedom::Within { most: 0.08, is_signed: true } };
+        assert_eq!(whole.share_used(-0.06), Some(0.75));
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
             "slider": location.spool.iter().map(spool).collect::<Vec<_>>(),
         })
     });
-    json!({
+    let mut told = json!({
         "schema": "host-sim/diagnosis/1",
         "machine": diagnosis.machine,
         "since": diagnosis.since.as_ref().map(|held| held.iter().map(|effect| effect.name).collect::<Vec<_>>()),
@@ -103,7 +103,18 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "waterfall": evidence::waterfall(&exhibits.waterfall),
         "residuals": evidence::residuals(&exhibits.whiteness),
         "prepared": evidence::prepared(&exhibits.preprocessing),
-    })
+    });
+    if diagnosis.since.is_some() {
+        told["since_untested"] = json!(diagnosis.untested.iter().map(|effect| effect.name).collect::<Vec<_>>());
+        told["then"] = json!(diagnosis.then);
+        told["oil"] = json!(diagnosis.other_oil.as_ref().map(|oil| {
+            json!({
+                "then_c": digits(oil.then_c, 4), "now_c": digits(oil.now_c, 4), "viscosity": digits(oil.viscosity, 3),
+                "sentence": wording::other_oil(oil),
+            })
+        }));
+    }
+    told
 }
 
 /// Signals that are missed, and by how much.

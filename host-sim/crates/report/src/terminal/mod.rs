@@ -123,6 +123,12 @@ fn doubtful(diagnosis: &Diagnosis) -> String {
     for doubt in &diagnosis.doubts {
         let _ = writeln!(text, "doubt      {}", wording::doubt(doubt));
     }
+    if let Some(oil) = &diagnosis.other_oil {
+        let _ = writeln!(text, "oil        {}", wording::other_oil(oil));
+    }
+    for effect in &diagnosis.untested {
+        let _ = writeln!(text, "untested   {}: these recordings cannot show whether it has changed", effect.name);
+    }
     for far in wording::far_values(&diagnosis.far_values()) {
         let _ = writeln!(text, "far value  {far}");
     }
@@ -170,6 +176,10 @@ pub const SUSPECTED: &str =
 /// The verdict in a sentence.
 #[must_use]
 pub fn sentence(diagnosis: &Diagnosis) -> String {
+    format!("{}{}", verdict(diagnosis), wording::doubt_of_then(diagnosis))
+}
+
+fn verdict(diagnosis: &Diagnosis) -> String {
     let name = &diagnosis.machine;
     match diagnosis.verdict {
         Verdict::MissingPhysics => {
@@ -195,17 +205,24 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
                 None => format!("{name}: {what}: {effects}; {confirmed}{}{outside}", held_out(diagnosis)),
             }
         }
-        Verdict::NothingMissing if diagnosis.training_is_too_narrow => format!(
-            "{name}: nothing missing, but the training recordings leave values open: the model follows them all if it is refitted to all{}; give the held-out recordings to --train as well, and hold out others",
-            held_out(diagnosis)
-        ),
+        Verdict::NothingMissing if diagnosis.training_is_too_narrow => {
+            let nothing = match diagnosis.since {
+                Some(_) => wording::unchanged(diagnosis, "follows the training recordings, which leave values open"),
+                None => "nothing missing, but the training recordings leave values open".to_owned(),
+            };
+            format!(
+                "{name}: {nothing}: the model follows them all if it is refitted to all{}; give the held-out recordings to --train as well, and hold out others",
+                held_out(diagnosis)
+            )
+        }
         Verdict::NothingMissing => {
             let noise = if diagnosis.left.is_empty() { "their noise" } else { "twice their noise" };
+            let follows = format!("follows the recordings within {noise}");
             let nothing = match diagnosis.since {
-                Some(_) => "unchanged: the model of then, refitted,",
-                None => "nothing missing: the refitted model",
+                Some(_) => wording::unchanged(diagnosis, &follows),
+                None => format!("nothing missing: the refitted model {follows}"),
             };
-            format!("{name}: {nothing} follows the recordings within {noise}{}", held_out(diagnosis))
+            format!("{name}: {nothing}{}", held_out(diagnosis))
         }
         Verdict::Unexplained if let Some(outside) = &diagnosis.outside => format!(
             "{name}: unexplained by the drive itself; probable cause outside it: {}; no effect of the catalogue explains as much",

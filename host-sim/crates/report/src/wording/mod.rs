@@ -13,7 +13,7 @@ mod still_moving;
 mod tolerance;
 mod unit;
 
-pub use change::{change, found, most_changed};
+pub use change::{change, doubt_of_then, found, most_changed, other_oil, unchanged};
 pub use comparison::{obstacle, unjudged};
 pub use doubt::doubt;
 pub(crate) use far_value::moved;

@@ -13,9 +13,18 @@ pub fn used_up(machine: &Machine<f64>, tolerated: &[Tolerated]) -> impl Iterator
     tolerated.iter().filter_map(|one| at_limit(machine, one))
 }
 
-/// A tolerance with its limit, if it was used up.
+/// A tolerance with its limit, if it was used up; or with what it was then, if what is left to it around that was.
 #[must_use]
 pub fn at_limit(machine: &Machine<f64>, tolerated: &Tolerated) -> Option<String> {
+    if let Some(then) = tolerated.left_then {
+        let (then, now) =
+            (size(machine, tolerated.parameter, then)?, size(machine, tolerated.parameter, tolerated.value)?);
+        let thing = tolerated_thing(tolerated.parameter);
+        return Some(format!(
+            "{thing} has moved as far as it may since then, within its tolerance: {}{} → {}{}",
+            then.amount, then.of, now.amount, now.of
+        ));
+    }
     let limit = tolerated.most.copysign(tolerated.value);
     let Size { amount, of, .. } = size(machine, tolerated.parameter, limit)?;
     tolerated.at_limit.then(|| {
@@ -60,7 +69,14 @@ mod tests {
 
     #[test]
     fn only_a_tolerance_that_is_used_up_is_told_with_its_limit_and_the_sign_of_its_value() {
-        let tolerated = |parameter, value, most, at_limit| Tolerated { parameter, value, std: 0.0, most, at_limit };
+        let tolerated = |parameter, value, most, at_limit| Tolerated {
+            parameter,
+            value,
+            std: 0.0,
+            most,
+            at_limit,
+            left_then: None,
+        };
         let all = [
             tolerated(Parameter::StribeckForce, 869.9, 870.0, true),
             tolerated(Parameter::AirShare, 0.005, 0.01, false),

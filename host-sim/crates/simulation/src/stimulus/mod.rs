@@ -188,6 +188,13 @@ impl Stimulus {
         })
     }
 
+    /// Mean recorded temperature of the oil, °C; `None` where it was not recorded.
+    #[must_use]
+    pub fn mean_oil_c(&self) -> Option<f64> {
+        let recorded = self.oil_c.as_ref().filter(|recorded| !recorded.is_empty())?;
+        Some(recorded.iter().sum::<f64>() / recorded.len() as f64)
+    }
+
     /// Ends it at the last grid point at or before the last of this many rows; rows between this point and the next are then left out.
     pub(crate) fn end_at(&mut self, rows: usize) {
         let Some(&(last, _)) = self.rows[..rows.min(self.rows.len())].last() else { return };

@@ -119,20 +119,23 @@ impl Candidate {
     /// Whether an amount of an effect is larger than its tolerance, or has none; of one that was there before, whether it has changed by more than
     /// what was known of it.
     fn is_beyond_tolerance(&self, question: &Question<'_>, chosen: &Chosen) -> bool {
-        let more = |own: &EffectParameter| (self.fit.machine.get(own.parameter) - question.scene.before(own)).abs();
+        let is_beyond = |own: &EffectParameter| {
+            let value = self.fit.machine.get(own.parameter);
+            let is_changed = question.scene.is_changed(own, value);
+            is_changed.unwrap_or_else(|| value.abs() > tolerance(question.base_parameters, own.parameter))
+        };
         let mut amounts = chosen.form.iter().filter(|effect_parameter| effect_parameter.is_amount()).peekable();
-        amounts.peek().is_none() || amounts.any(|own| more(own) > tolerance(question.base_parameters, own.parameter))
+        amounts.peek().is_none() || amounts.any(is_beyond)
     }
 
-    /// Whether it has used up the tolerance of an amount of a plain effect: only recordings that press for more come so far.
+    /// Whether it has used up the tolerance of an amount of a plain effect, or what is left of it: only recordings that press for more come so far.
     pub(crate) fn presses(&self, question: &Question<'_>, effect: &Hypothesis, form: Form) -> bool {
         let used_up = |own: &EffectParameter| {
+            let cover = covered_by(own.parameter);
+            let free = question.base_parameters.iter().find(|free| free.parameter == cover);
+            let used = free.and_then(|free| free.share_used(self.fit.machine.get(cover)));
             // What may have changed is no tolerance.
-            if question.scene.before(own) != 0.0 {
-                return false;
-            }
-            let most = tolerance(question.base_parameters, own.parameter);
-            own.is_amount() && most > 0.0 && self.fit.machine.get(covered_by(own.parameter)).abs() > USED_UP * most
+            question.scene.before(own) == 0.0 && own.is_amount() && used.is_some_and(|share| share > USED_UP)
         };
         effect.extends.is_none() && form.iter().any(used_up)
     }
