@@ -8,7 +8,7 @@ use std::mem;
 
 use identification::compare::CompareError;
 use identification::experiment::{JudgedSignal, Prepared, share_range_ends};
-use identification::fit::{Estimate, FitError, Free, Freedom, StartState, level_at_rest};
+use identification::fit::{Estimate, Fit, FitError, Free, Freedom, StartState, level_at_rest};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
@@ -33,7 +33,7 @@ use crate::selection::excerpt::Excerpt;
 use crate::selection::screen::Lead;
 use crate::selection::{Candidate, Question, Selection};
 use crate::settled_valve::SettledValve;
-use crate::since::{changeable, held, may_be_found, of_oil, other_oil, since_then, untested};
+use crate::since::{Moves, held, may_be_found, other_oil};
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
@@ -131,21 +131,13 @@ fn diagnosed(
 
     let sheet = base_parameters(file);
     let on = self::held(file, &sheet);
-    let since_held = if asks_since { on.as_slice() } else { &[] };
-    let changeable = changeable(&file.machine, &sheet, since_held);
-    let of_oil = if asks_since { of_oil(file, &trained) } else { None };
-    let free = if asks_since { since_then(&sheet, (file, &trained), since_held, &changeable) } else { sheet };
-    let free: Vec<Free> = free.into_iter().chain(of_oil).collect();
-    let valve = SettledValve::of(&file.machine, &free, &changeable, &trained)?;
+    let moves = Moves::of(file, &sheet, asks_since.then_some(on.as_slice()), &trained);
+    let valve = SettledValve::of(&file.machine, &moves.free, &moves.changeable, &trained)?;
     let machine = valve.as_ref().map_or(&file.machine, |valve| &valve.machine);
-    let base_parameters = valve.as_ref().map_or(free.as_slice(), |valve| &valve.free);
+    let base_parameters = valve.as_ref().map_or(moves.free.as_slice(), |valve| &valve.free);
     let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
-    let scene = Scene { held: since_held, changeable: &changeable, ..scene(file, machine, &judged, &trained)? };
-    let (mut hypotheses, not_testable) = hypotheses(&scene, &on, valve.is_some());
-    // What is part of the model already is no effect beside it.
-    let is_there =
-        |effect: &Hypothesis| of_oil.is_some_and(|free| effect.amounts().any(|own| own.parameter == free.parameter));
-    hypotheses.retain(|effect| !is_there(effect));
+    let scene = Scene { held: &moves.held, changeable: &moves.changeable, ..scene(file, machine, &judged, &trained)? };
+    let (hypotheses, not_testable) = hypotheses(&scene, &on, valve.is_some(), &moves);
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, base_parameters, hypotheses: &hypotheses };
     let (mut selection, decided, beside) = searched(asked, (&mut trained, &held), excerpt.as_mut(), progress)?;
@@ -167,7 +159,7 @@ fn diagnosed(
         || (&selection.base, references.clone(), opened.clone()),
         |plain| (&plain.base, plain.trained.iter().collect(), plain.held.iter().collect()),
     );
-    let is_impossible = far_values(&free, &estimates).iter().any(|far| far.is_impossible);
+    let is_impossible = far_values(&moves.free, &estimates).iter().any(|far| far.is_impossible);
     let Ending { verdict, training_is_too_narrow } = match findings.as_slice() {
         [] => Ending::of_base(asked, plain_base, is_impossible, (&without, &held_without))?,
         _ => Ending::FOUND,
@@ -203,22 +195,18 @@ fn diagnosed(
         Some((tabled, unnamed)) => (tabled.estimates(&question)?, tabled, Some(unnamed)),
         None => (estimates, after, None),
     };
-    let started = references.iter().copied().zip(after.fit.starts.iter().copied());
-    let left = above_noise(misses(&after.fit.machine, started)?);
-    let left_held_out = above_noise(missed_in(&after.fit.machine, &opened)?);
-    let untested = untested(since_held, &changeable, &hypotheses, (&free, &estimates));
-    let other_oil = if asks_since { other_oil(file, &trained, &after.fit.machine) } else { None };
+    let [left, left_held_out] = left_by(&after.fit, &references, &opened)?;
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
     let plain: Vec<&Prepared> = plain.iter().flat_map(|plain| plain.trained.iter().chain(&plain.held)).collect();
     let shown = show_all(trained, held, &plain, &plain_base.fit, &after.fit)?;
-    let of_spool = valve.map(|valve| valve.estimates).unwrap_or_default();
-    let refitted = of_base(&free, &findings, of_spool.into_iter().chain(estimates));
+    let of_spool = valve.into_iter().flat_map(|valve| valve.estimates);
+    let refitted = of_base(&moves.free, &findings, of_spool.chain(estimates));
     Ok(Diagnosis {
         machine: file.name.clone(),
         since: asks_since.then(|| on.clone()),
         then: None,
-        untested,
-        other_oil,
+        untested: moves.untested(&hypotheses, &refitted),
+        other_oil: other_oil(file, &shown, &after.fit.machine).filter(|_| asks_since),
         doubts: Vec::new(),
         verdict,
         located,
@@ -233,7 +221,7 @@ fn diagnosed(
         unnamed,
         confirmation,
         refitted,
-        base_parameters: free,
+        base_parameters: moves.free,
         correlated: after.correlations(),
         shown,
         machine_after: after.fit.machine,
@@ -301,12 +289,14 @@ fn hypotheses(
     scene: &Scene<'_>,
     on: &[&Hypothesis],
     is_settled: bool,
+    moves: &Moves,
 ) -> (Vec<&'static Hypothesis>, Vec<&'static Hypothesis>) {
     let is_held = |effect: &Hypothesis| scene.held.iter().any(|held| held.name == effect.name);
     CATALOGUE
         .iter()
         .copied()
         .filter(|effect| may_be_found(effect, on, scene.held, scene.changeable) && effect.is_reached(scene))
+        .filter(|effect| !moves.has_in_model(effect))
         .filter(|effect| !is_settled || effect.subsystem != Subsystem::Valve || is_held(effect))
         .partition(|effect| effect.is_testable(scene))
 }
@@ -343,6 +333,12 @@ fn of_base(free: &[Free], findings: &[Finding], estimates: impl Iterator<Item = 
     estimates.retain(|one| !has_changed(one));
     let of = |free: &Free| estimates.iter().find(|estimate| estimate.parameter == free.parameter).copied();
     free.iter().filter_map(of).collect()
+}
+
+/// What a model misses of the training recordings that it was fitted to, and of the held-out ones, where that is more than noise.
+fn left_by(after: &Fit, training: &[&Prepared], held_out: &[&Prepared]) -> Result<[Vec<Miss>; 2], MachineError> {
+    let started = training.iter().copied().zip(after.starts.iter().copied());
+    Ok([above_noise(misses(&after.machine, started)?), above_noise(missed_in(&after.machine, held_out)?)])
 }
 
 /// Signals that are missed by more than noise.

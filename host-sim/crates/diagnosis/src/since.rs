@@ -6,7 +6,7 @@ use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter};
 
 use crate::catalogue::{AMOUNT_KNOWN, CATALOGUE, EffectParameter, Hypothesis, covered_by, tolerance};
-use crate::outcome::Diagnosis;
+use crate::outcome::{Diagnosis, Shown};
 
 /// The effects that a machine file holds, beyond what is a tolerance by its `sheet` of base parameters.
 pub(crate) fn held(file: &MachineFile, sheet: &[Free]) -> Vec<&'static Hypothesis> {
@@ -27,12 +27,63 @@ pub(crate) fn may_be_found(
     if on.iter().any(is_it) { held.iter().any(is_it) && can_change() } else { !held.iter().any(is_of_its_kind) }
 }
 
+/// What a diagnosis lets move in the model without effects, and what may have changed.
+pub(crate) struct Moves {
+    /// The effects that may have changed.
+    pub(crate) held: Vec<&'static Hypothesis>,
+    /// Their amounts.
+    pub(crate) changeable: Vec<&'static EffectParameter>,
+    /// The base parameters.
+    pub(crate) free: Vec<Free>,
+    /// That of them by which the oil's temperature acts, where it is no effect.
+    of_oil: Option<Free>,
+}
+
+impl Moves {
+    /// By a `sheet` of base parameters; where it is asked what has changed since, with the effects that the file holds.
+    pub(crate) fn of(
+        file: &MachineFile,
+        sheet: &[Free],
+        since: Option<&[&'static Hypothesis]>,
+        cases: &[Prepared],
+    ) -> Self {
+        let Some(held) = since else {
+            return Self { held: Vec::new(), changeable: Vec::new(), free: sheet.to_vec(), of_oil: None };
+        };
+        let changeable = changeable(&file.machine, sheet, held);
+        let of_oil = of_oil(file, cases);
+        let fitted = since_then(sheet, (file, cases), held, &changeable);
+        Self { held: held.to_vec(), changeable, free: fitted.into_iter().chain(of_oil).collect(), of_oil }
+    }
+
+    /// Whether an effect is part of the model already, and none beside it.
+    pub(crate) fn has_in_model(&self, effect: &Hypothesis) -> bool {
+        self.of_oil.is_some_and(|free| effect.amounts().any(|own| own.parameter == free.parameter))
+    }
+
+    /// The effects that may have changed and of which these recordings do not tell it: no form of theirs can be tried, or a change by half of any of their
+    /// amounts would be chance. `estimates` are those of the base parameters; those of what is found are not among them.
+    pub(crate) fn untested(
+        &self,
+        hypotheses: &[&'static Hypothesis],
+        estimates: &[Estimate],
+    ) -> Vec<&'static Hypothesis> {
+        let is_told = |amount: &&EffectParameter| {
+            let free = self.free.iter().find(|free| free.parameter == amount.parameter);
+            let estimate = estimates.iter().find(|estimate| estimate.parameter == amount.parameter);
+            // What jumps is searched over its whole range.
+            free.zip(estimate).is_none_or(|(free, estimate)| shows(free, estimate))
+        };
+        let is_tested = |effect: &Hypothesis| {
+            let own = |amount: &&&EffectParameter| effect.amounts().any(|own| own.parameter == amount.parameter);
+            hypotheses.iter().any(|known| known.name == effect.name) && self.changeable.iter().filter(own).any(is_told)
+        };
+        self.held.iter().copied().filter(|effect| !is_tested(effect)).collect()
+    }
+}
+
 /// The amounts of effects that may have changed: those of which the machine file holds more than a tolerance. One that several forms share comes once.
-pub(crate) fn changeable(
-    machine: &Machine<f64>,
-    sheet: &[Free],
-    held: &[&'static Hypothesis],
-) -> Vec<&'static EffectParameter> {
+fn changeable(machine: &Machine<f64>, sheet: &[Free], held: &[&'static Hypothesis]) -> Vec<&'static EffectParameter> {
     let mut found: Vec<&EffectParameter> = Vec::new();
     for amount in held.iter().flat_map(|effect| effect.amounts()) {
         let is_known = found.iter().any(|known| known.parameter == amount.parameter);
@@ -45,7 +96,7 @@ pub(crate) fn changeable(
 
 /// The base parameters once they were fitted, with the amounts that may have changed in the place of what else the file says of them and of their
 /// tolerances.
-pub(crate) fn since_then(
+fn since_then(
     sheet: &[Free],
     (file, cases): (&MachineFile, &[Prepared]),
     held: &[&Hypothesis],
@@ -118,28 +169,6 @@ fn once_fitted(free: Free, file: &MachineFile) -> Free {
 /// Times its standard deviation by the recordings that a change has to exceed to show. Source: once in 400 by chance.
 const SHOWS_FROM: f64 = 3.0;
 
-/// The effects that may have changed and of which these recordings do not tell it: no form of theirs can be tried, or a change by half of any of their
-/// amounts would be chance. `estimates` are those of the model after the diagnosis.
-pub(crate) fn untested(
-    held: &[&'static Hypothesis],
-    changeable: &[&EffectParameter],
-    hypotheses: &[&'static Hypothesis],
-    (free, estimates): (&[Free], &[Estimate]),
-) -> Vec<&'static Hypothesis> {
-    let is_told = |amount: &&EffectParameter| {
-        let free = free.iter().find(|free| free.parameter == amount.parameter);
-        let estimate = estimates.iter().find(|estimate| estimate.parameter == amount.parameter);
-        // What jumps is searched over its whole range.
-        let (Some(free), Some(estimate)) = (free, estimate) else { return true };
-        shows(free, estimate)
-    };
-    let is_tested = |effect: &Hypothesis| {
-        let own = |amount: &&&EffectParameter| effect.amounts().any(|own| own.parameter == amount.parameter);
-        hypotheses.iter().any(|known| known.name == effect.name) && changeable.iter().filter(own).any(is_told)
-    };
-    held.iter().copied().filter(|effect| !is_tested(effect)).collect()
-}
-
 /// Whether the recordings would show a change by half of an amount. What they say by themselves is what is left of its estimate's precision without that of
 /// its prior.
 fn shows(free: &Free, estimate: &Estimate) -> bool {
@@ -174,7 +203,7 @@ impl OtherOil {
 
 /// What the temperature of the oil changes, where it is recorded and the machine file says at which one its values hold: its law is known by the oil's
 /// kind, and a drive that is only warmer has not changed.
-pub(crate) fn of_oil(file: &MachineFile, cases: &[Prepared]) -> Option<Free> {
+fn of_oil(file: &MachineFile, cases: &[Prepared]) -> Option<Free> {
     /// Relative loss of viscosity per kelvin of mineral oil, as `oil-temperature` has it: two standard deviations either way.
     const USUAL_PER_K: (f64, f64) = (0.02, 0.06);
     let parameter = Parameter::ViscosityLossPerKelvin;
@@ -195,11 +224,16 @@ fn mean_oil_c<'a>(cases: impl IntoIterator<Item = &'a Prepared>) -> Option<f64> 
     (!recorded.is_empty()).then(|| recorded.iter().sum::<f64>() / recorded.len() as f64)
 }
 
+/// The training recordings.
+fn trained(shown: &[Shown]) -> impl Iterator<Item = &Prepared> {
+    shown.iter().filter(|shown| !shown.held_out).map(|shown| &shown.prepared)
+}
+
 /// Oil of another temperature than then, where the machine after a diagnosis has its law.
-pub(crate) fn other_oil(file: &MachineFile, cases: &[Prepared], after: &Machine<f64>) -> Option<OtherOil> {
-    let (now_c, loss) = (mean_oil_c(cases)?, after.get(Parameter::ViscosityLossPerKelvin));
+pub(crate) fn other_oil(file: &MachineFile, shown: &[Shown], after: &Machine<f64>) -> Option<OtherOil> {
+    let (now_c, loss) = (mean_oil_c(trained(shown))?, after.get(Parameter::ViscosityLossPerKelvin));
     let then = Parameter::ReferenceTemperature;
-    let then_c = (loss > 0.0 && knows_oil(file, cases)).then(|| file.machine.get(then))?;
+    let then_c = (loss > 0.0 && file.given.contains(&then)).then(|| file.machine.get(then))?;
     let viscosity = (-loss * (now_c - after.get(then))).exp().clamp(0.125, 8.0);
     Some(OtherOil { then_c, now_c, viscosity })
 }
@@ -219,7 +253,7 @@ impl Diagnosis {
             after.tolerance.remove(&parameter);
         }
         // What a file holds is for the oil that it was fitted to.
-        let oil_c = mean_oil_c(self.shown.iter().filter(|shown| !shown.held_out).map(|shown| &shown.prepared));
+        let oil_c = mean_oil_c(trained(&self.shown));
         if let Some(oil_c) = oil_c.filter(|_| after.machine.get(Parameter::ViscosityLossPerKelvin) == 0.0) {
             after.machine.set(Parameter::ReferenceTemperature, oil_c);
             after.given.insert(Parameter::ReferenceTemperature);

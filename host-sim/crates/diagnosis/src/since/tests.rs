@@ -1,5 +1,3 @@
-use std::collections::BTreeMap;
-
 use machine_file::MachineFile;
 use model_core::machine::Parameter as P;
 use test_press::press;
@@ -12,19 +10,20 @@ use crate::test_scene::scene;
 
 /// A drive with these values, known to these standard deviations and with these tolerances.
 fn file(values: &[(P, f64)], sigma: &[(P, f64)], tolerance: &[(P, f64)]) -> MachineFile {
-    MachineFile {
-        sigma: sigma.iter().copied().collect(),
-        has_sigma_table: true,
-        tolerance: tolerance.iter().copied().collect::<BTreeMap<_, _>>(),
-        ..MachineFile::from_machine("press", press(values))
-    }
+    let mut file = MachineFile::from_machine("press", press(values));
+    (file.sigma, file.has_sigma_table) = (sigma.iter().copied().collect(), true);
+    file.tolerance = tolerance.iter().copied().collect();
+    file
+}
+
+fn moves(file: &MachineFile) -> Moves {
+    let sheet = base_parameters(file);
+    Moves::of(file, &sheet, Some(&held(file, &sheet)), &[])
 }
 
 /// The base parameters since such a file was written.
 fn since(file: &MachineFile) -> Vec<Free> {
-    let sheet = base_parameters(file);
-    let held = held(file, &sheet);
-    since_then(&sheet, (file, &[]), &held, &changeable(&file.machine, &sheet, &held))
+    moves(file).free
 }
 
 fn of(free: &[Free], parameter: P) -> Free {
@@ -125,15 +124,14 @@ fn a_rigid_friction_may_have_become_elastic() {
 #[test]
 fn an_effect_is_tested_where_the_recordings_would_show_half_of_it() {
     let leaks = file(&[(P::InternalLeakage, 2e-12)], &[], &[]);
-    let (free, on) = (since(&leaks), held(&leaks, &[]));
-    let changeable = changeable(&leaks.machine, &[], &on);
+    let moves = moves(&leaks);
     // Alone, the recordings would know it to this share of itself.
     let untested_by = |alone: f64| {
         let known = 0.5 * AMOUNT_KNOWN;
         let std = 2e-12 / (1.0 / alone.powi(2) + 1.0 / (known * known)).sqrt();
         let estimate = Estimate { parameter: P::InternalLeakage, before: 2e-12, value: 2e-12, std, at_bound: false };
-        untested(&on, &changeable, &on, (&free, &[estimate])).len()
+        moves.untested(&moves.held, &[estimate]).len()
     };
     assert_eq!((untested_by(0.01), untested_by(0.15), untested_by(0.18), untested_by(10.0)), (0, 0, 1, 1));
-    assert_eq!(untested(&on, &changeable, &[], (&free, &[])).len(), 1, "no form of it can be tried");
+    assert_eq!(moves.untested(&[], &[]).len(), 1, "no form of it can be tried");
 }
