@@ -146,12 +146,21 @@ impl Diagnosis {
         !self.findings.is_empty() || self.unnamed.is_some() || self.outside.is_some()
     }
 
+    /// Effects that may have changed, by the training recordings, and of which the held-out ones did not confirm it.
+    #[must_use]
+    pub fn doubtful_changes(&self) -> Vec<&'static Hypothesis> {
+        let held = self.since.as_deref().unwrap_or_default();
+        let is_held = |effect: &&Hypothesis| held.iter().any(|held| held.name == effect.name);
+        self.not_confirmed.iter().copied().filter(is_held).collect()
+    }
+
     /// Whether nothing has changed since then, as far as was asked: the model of then follows, with values near those that it had, and the recordings would
     /// show a change of each of its effects.
     #[must_use]
     pub fn is_unchanged(&self) -> bool {
         let follows = self.since.is_some() && self.verdict == Verdict::NothingMissing;
-        follows && self.untested.is_empty() && self.far_values().is_empty()
+        let is_open = !self.untested.is_empty() || !self.doubtful_changes().is_empty();
+        follows && !is_open && self.far_values().is_empty()
     }
 
     /// Refitted base parameters far from where the machine file says they are.

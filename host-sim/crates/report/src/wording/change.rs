@@ -88,6 +88,12 @@ pub fn unchanged(diagnosis: &Diagnosis, follows: &str) -> String {
     });
     let model = format!("the model of then, refitted,{with_oil} {follows}");
     let untested = names(&diagnosis.untested);
+    let doubtful = names(&diagnosis.doubtful_changes());
+    if !doubtful.is_empty() {
+        return format!(
+            "it stays open whether {doubtful} has changed: the training recordings say so, and the held-out ones do not confirm it; {model}"
+        );
+    }
     if let Some(first) = far.first() {
         let others = match far.len() {
             1 => String::new(),
