@@ -22,6 +22,7 @@ mod pressure_zero;
 mod real;
 mod real_actuator;
 mod real_statics;
+mod real_tank;
 mod real_valve;
 mod recover;
 mod shipped;

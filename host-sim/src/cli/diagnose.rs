@@ -3,7 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use diagnosis::{Diagnosis, Verdict, diagnose, diagnose_since, read_absolute, steps};
+use diagnosis::agreement::follower;
+use diagnosis::{Diagnosis, Verdict, base_parameters, diagnose, diagnose_since, read_absolute, steps};
 use identification::compare::judged;
 use machine_file::MachineFile;
 use model_core::machine::Tick;
@@ -96,11 +97,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if absolute {
         job.training.iter_mut().chain(&mut job.held_out).for_each(Recording::take_as_absolute);
     }
-    for note in
-        job.training.iter().chain(&job.held_out).flat_map(|recording| input::notes(recording, &job.file.machine))
-    {
-        console.note(note);
-    }
+    let read: Vec<&Recording> = job.training.iter().chain(&job.held_out).collect();
+    note_recordings(&job, &read, console)?;
     console.detail(format_args!(
         "read: {} training and {} held-out recordings, {} rows",
         job.training.len(),
@@ -165,6 +163,22 @@ fn is_absolute(
     absolute.map_err(|cause| CliError::Diagnose { machine: machine.to_owned(), cause })
 }
 
+/// What was noted as the recordings were read, and doubts about their units, unless what they show has another reason: it follows what drives it.
+fn note_recordings(job: &Job, recordings: &[&Recording], console: &Console<'_>) -> Result<(), CliError> {
+    recordings.iter().copied().flat_map(input::own_notes).for_each(|note| console.note(note));
+    let of_units = |recording: &&Recording| input::unit_notes(recording, &job.file.machine).collect::<Vec<_>>();
+    let doubts: Vec<String> = recordings.iter().flat_map(of_units).collect();
+    if doubts.is_empty() {
+        return Ok(());
+    }
+    let found = follower(&job.file, &base_parameters(&job.file), recordings);
+    let found = found.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause: cause.into() })?;
+    if found.is_none() {
+        doubts.iter().for_each(|doubt| console.note(doubt));
+    }
+    Ok(())
+}
+
 /// Where there are recordings of then: the machine file with what they tell in the place of the job's, and how that diagnosis ended. What is noted and
 /// doubted of them is told as of the others.
 fn diagnose_then(job: &mut Job, arguments: &Arguments, console: &Console<'_>) -> Result<Option<Verdict>, CliError> {
@@ -175,9 +189,7 @@ fn diagnose_then(job: &mut Job, arguments: &Arguments, console: &Console<'_>) ->
     if is_absolute(&job.machine, &job.file, &job.then, tick, console)? {
         job.then.iter_mut().for_each(Recording::take_as_absolute);
     }
-    for note in job.then.iter().flat_map(|recording| input::notes(recording, &job.file.machine)) {
-        console.note(note);
-    }
+    note_recordings(job, &job.then.iter().collect::<Vec<_>>(), console)?;
     for doubt in input::doubts(&job.machine, &job.file, &job.then, arguments.as_recorded)? {
         console.note(format_args!("then: doubt: {}", wording::doubt(&doubt)));
     }

@@ -141,8 +141,16 @@ pub(crate) fn doubts<'a>(
 
 /// The notes of a recording, and doubts about it for this drive, each with the recording's name.
 pub(crate) fn notes<'a>(recording: &'a Recording, machine: &Machine<f64>) -> impl Iterator<Item = String> + 'a {
+    own_notes(recording).chain(unit_notes(recording, machine))
+}
+
+/// Doubts about the units of a recording for this drive, with its name.
+pub(crate) fn unit_notes<'a>(
+    recording: &'a Recording,
+    machine: &Machine<f64>,
+) -> impl Iterator<Item = String> + use<'a> {
     let doubts = unit_doubts(recording, machine).into_iter();
-    own_notes(recording).chain(doubts.map(|doubt| format!("{}: {}", recording.name(), unit_doubt(&doubt))))
+    doubts.map(|doubt| format!("{}: {}", recording.name(), unit_doubt(&doubt)))
 }
 
 /// The notes made when a recording was read, with its name.

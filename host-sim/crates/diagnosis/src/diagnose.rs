@@ -9,6 +9,7 @@ use std::mem;
 use identification::compare::CompareError;
 use identification::experiment::{JudgedSignal, Prepared, share_range_ends};
 use identification::fit::{Estimate, Fit, FitError, Free, Freedom, StartState, level_at_rest};
+use identification::yardstick::yardsticks;
 use machine_file::MachineFile;
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
@@ -34,6 +35,7 @@ use crate::selection::screen::Lead;
 use crate::selection::{Candidate, Question, Selection};
 use crate::settled_valve::SettledValve;
 use crate::since::{Moves, held, may_be_found, other_oil};
+use crate::structure::structure;
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
@@ -197,10 +199,12 @@ fn diagnosed(
     };
     let [left, left_held_out] = left_by(&after.fit, &references, &opened)?;
     let level_at_rest = level_at_rest(&after.fit.machine, &references, &after.fit.starts);
+    let linear = yardsticks(&without, &held_without);
     let plain: Vec<&Prepared> = plain.iter().flat_map(|plain| plain.trained.iter().chain(&plain.held)).collect();
     let shown = show_all(trained, held, &plain, &plain_base.fit, &after.fit)?;
     let of_spool = valve.into_iter().flat_map(|valve| valve.estimates);
     let refitted = of_base(&moves.free, &findings, of_spool.chain(estimates));
+    let structure = structure(linear, &shown, &file.machine, recorded_supply(training.iter().chain(held_out)));
     Ok(Diagnosis {
         machine: file.name.clone(),
         since: asks_since.then(|| on.clone()),
@@ -215,6 +219,7 @@ fn diagnosed(
         outside,
         left,
         left_held_out,
+        structure,
         training_is_too_narrow,
         unsettled: after.unsettled(),
         not_confirmed,
@@ -306,6 +311,11 @@ struct Plain {
     trained: Vec<Prepared>,
     held: Vec<Prepared>,
     base: Candidate,
+}
+
+/// The supply pressure of each recording, where it is recorded.
+fn recorded_supply<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Vec<Option<&'a [f64]>> {
+    recordings.map(|recording| recording.signal(Signal::SupplyPressure)).collect()
 }
 
 /// Where the misfit of a model is, by what was named of it, or else by what the best hypothesis of each subsystem would gain.

@@ -25,6 +25,7 @@ mod pressure_zero;
 pub mod selection;
 mod settled_valve;
 mod since;
+pub mod structure;
 #[cfg(test)]
 mod test_scene;
 

@@ -17,6 +17,7 @@ use crate::localisation::{Location, Miss};
 use crate::outside::Outside;
 use crate::selection::{Confirmation, Selection};
 use crate::since::OtherOil;
+use crate::structure::Structure;
 
 /// How it ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -58,6 +59,8 @@ pub struct Diagnosis {
     pub left: Vec<Miss>,
     /// The same on the held-out recordings.
     pub left_held_out: Vec<Miss>,
+    /// How linear models of second order do on the same recordings, and, where the machine's model ends below them, what shows that its structure is wrong.
+    pub structure: Structure,
     /// Whether the held-out recordings work where the training ones do not: only refitted to all of them does the model follow all. The machine after the
     /// diagnosis is fitted to the training recordings all the same.
     pub training_is_too_narrow: bool,

@@ -16,3 +16,4 @@ pub mod fit;
 pub mod input_noise;
 pub mod parallel;
 pub mod static_curve;
+pub mod yardstick;

@@ -9,6 +9,7 @@ mod change;
 mod cylinder;
 mod direction;
 mod far_value;
+mod follower;
 mod late;
 mod place;
 mod response;
@@ -25,6 +26,7 @@ use response::Responses;
 
 pub use change::Change;
 pub use far_value::{Cause, FarValue, far_values};
+pub use follower::{Follower, follower};
 pub(crate) use tolerated::USED_UP;
 pub use tolerated::{Tolerated, has_sensor, not_tolerated, sensor_of, tolerated};
 pub use trial::Trial;
@@ -161,6 +163,11 @@ pub fn doubts(file: &MachineFile, free: &[Free], recordings: &[&Recording]) -> R
             in_all: of.len() == recordings.len(),
             ..tried
         });
+    }
+    if !doubts.is_empty() {
+        // Of what follows its input instead of integrating it no channel is to blame, unless with another one the drive's model does better.
+        let follower = follower(file, free, recordings)?;
+        doubts.retain(|doubt| follower.is_none_or(|follower| doubt.changed.fit_percent > follower.follows_percent));
     }
     Ok(doubts)
 }

@@ -160,6 +160,16 @@ fn look_roughly(case: &mut Prepared) {
     }
 }
 
+/// The NRMSE fit of one signal by a rough refit to the recordings as they are, %; `None` where they cannot be simulated.
+pub(super) fn rough_fit_percent(
+    file: &MachineFile,
+    free: &[Free],
+    recordings: &[&Recording],
+    signal: Signal,
+) -> Result<Option<f64>, FitError> {
+    Ok(trial(file, free, recordings, &[signal], &[])?.map(|trial| trial.fit_percent))
+}
+
 /// The refit to recordings with these changes; `None` where they cannot be simulated.
 fn trial(
     file: &MachineFile,

@@ -23,7 +23,7 @@ use recording::Signal;
 use recording::display_unit::{difference, percent};
 
 use crate::evidence::Exhibits;
-use crate::terminal::sentence;
+use crate::terminal::{is_structure_wrong, sentence};
 use crate::wording;
 
 pub use overlay::overlay;
@@ -49,13 +49,14 @@ pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
             body {
                 header {
                     p class="over" { "Diagnosis of " (diagnosis.machine) }
-                    h1 class=(class(diagnosis.verdict)) { (sentence(diagnosis)) "." }
+                    @let said = sentence(diagnosis);
+                    h1 class=(class(diagnosis.verdict)) { (said) @if !said.ends_with('?') { "." } }
                     (improvement(diagnosis))
                     (doubtful(diagnosis))
                     (outside(diagnosis))
                 }
                 (main_picture(diagnosis, exhibits, budget))
-                (located::located(diagnosis, exhibits, budget))
+                @if !is_structure_wrong(diagnosis) { (located::located(diagnosis, exhibits, budget)) }
                 (findings::findings(diagnosis, exhibits))
                 (findings::how_sure(diagnosis, exhibits))
                 (evidence::waterfall(&exhibits.waterfall))
@@ -111,10 +112,13 @@ fn improvement(diagnosis: &Diagnosis) -> Markup {
 /// What is doubtful about the recordings for this drive, and values that the refit has moved far.
 fn doubtful(diagnosis: &Diagnosis) -> Markup {
     html! {
+        @for shown in wording::structure_shown(diagnosis) { p class="fact" { "Structure: " (shown) @if !shown.ends_with('?') { "." } } }
         @for doubt in &diagnosis.doubts { p class="fact" { "Doubt: " (wording::doubt(doubt)) "." } }
-        @for far in wording::far_values(&diagnosis.far_values()) { p class="fact" { "Far value: " (far) "." } }
-        @if let Some(moving) = &diagnosis.unsettled { p class="fact" { "The refit did not converge: " (wording::still_moving(moving)) "." } }
-        @for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) { p class="fact" { "Tolerance: " (used) "." } }
+        @if !is_structure_wrong(diagnosis) {
+            @for far in wording::far_values(&diagnosis.far_values()) { p class="fact" { "Far value: " (far) "." } }
+            @if let Some(moving) = &diagnosis.unsettled { p class="fact" { "The refit did not converge: " (wording::still_moving(moving)) "." } }
+            @for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) { p class="fact" { "Tolerance: " (used) "." } }
+        }
     }
 }
 
@@ -166,7 +170,8 @@ fn fits(diagnosis: &Diagnosis) -> Markup {
             p class="soft" {
                 @if changes { "Before: base parameters refitted. After: refitted together with what was found"
                     @if diagnosis.unnamed.is_some() { ", here a correction table" } ". " }
-                "Noise floor: what a perfect model would reach." }
+                "Noise floor: what a perfect model would reach."
+                @if let Some(linear) = wording::yardstick(diagnosis) { " Beside it, a " (linear) "." } }
             details {
                 summary { "Each recording by itself" }
                 (each(diagnosis))

@@ -10,7 +10,7 @@ use diagnosis::localisation::{Habit, Miss};
 use diagnosis::outside::{Cause, Outside, Push};
 use diagnosis::{Diagnosis, Finding};
 
-use super::evidence;
+use super::{evidence, structure};
 use crate::evidence::Exhibits;
 use crate::size::size;
 use crate::wording;
@@ -100,6 +100,8 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         }).collect::<Vec<_>>(),
         "level_at_rest": diagnosis.level_at_rest.map(|level| digits(level, 6)),
         "fit": { "train": fits(false), "holdout": fits(true) },
+        "yardstick": structure::yardstick(diagnosis),
+        "structure": structure::structure(diagnosis),
         "waterfall": evidence::waterfall(&exhibits.waterfall),
         "residuals": evidence::residuals(&exhibits.whiteness),
         "prepared": evidence::prepared(&exhibits.preprocessing),

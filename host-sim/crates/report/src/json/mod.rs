@@ -2,5 +2,6 @@
 
 pub mod diagnosis;
 mod evidence;
+mod structure;
 
 pub use diagnosis::document;

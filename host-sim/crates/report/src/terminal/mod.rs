@@ -22,11 +22,15 @@ pub use tables::{parameters, tolerances, uncertainty};
 pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     let mut text = sentence(diagnosis);
     text.push('\n');
+    for shown in wording::structure_shown(diagnosis) {
+        let _ = writeln!(text, "structure  {shown}");
+    }
     text += &doubtful(diagnosis);
     if exhibits.preprocessing.iter().any(|of| of.taken_as_absolute) {
         let _ = writeln!(text, "{}", wording::taken_as_absolute());
     }
-    if let Some(location) = &diagnosis.located {
+    // Of a model that is wrong as a whole no part is to blame.
+    if let Some(location) = diagnosis.located.as_ref().filter(|_| !is_structure_wrong(diagnosis)) {
         let (link, signal, region) = (location.subsystem, location.signal, wording::region(location.region));
         let _ = writeln!(text, "\nlocated    {link} · {signal} · {region}");
         let _ = writeln!(text, "           {}\n           {}", when(location), wording::error_shape(&location.shape));
@@ -85,6 +89,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
         let _ = writeln!(text, "\n{}", wording::correction_table(unnamed));
     }
     let _ = write!(text, "\n{}\n", fits(diagnosis));
+    if let Some(linear) = wording::yardstick(diagnosis) {
+        let _ = writeln!(text, "{linear}");
+    }
     let _ = write!(text, "\n{}\n", waterfall(exhibits));
     if let Some(told) = whiteness::in_words(&exhibits.whiteness) {
         let _ = writeln!(text, "residual   {told}");
@@ -117,6 +124,11 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     text
 }
 
+/// Whether nothing that the refit says of the machine means anything, because the position does not come about as it does in the model.
+pub(crate) fn is_structure_wrong(diagnosis: &Diagnosis) -> bool {
+    diagnosis.verdict == Verdict::Unexplained && diagnosis.structure.follows()
+}
+
 /// What is doubtful about the recordings for this drive, and values that the refit has moved far or not brought to rest.
 fn doubtful(diagnosis: &Diagnosis) -> String {
     let mut text = String::new();
@@ -128,6 +140,9 @@ fn doubtful(diagnosis: &Diagnosis) -> String {
     }
     for effect in &diagnosis.untested {
         let _ = writeln!(text, "untested   {}: these recordings cannot show whether it has changed", effect.name);
+    }
+    if is_structure_wrong(diagnosis) {
+        return text;
     }
     for far in wording::far_values(&diagnosis.far_values()) {
         let _ = writeln!(text, "far value  {far}");
@@ -228,6 +243,9 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             "{name}: unexplained by the drive itself; probable cause outside it: {}; no effect of the catalogue explains as much",
             wording::outside_kind(&outside.cause)
         ),
+        Verdict::Unexplained if let Some(structure) = wording::structure(diagnosis) => {
+            format!("{name}: unexplained: {structure}")
+        }
         Verdict::Unexplained => {
             format!("{name}: unexplained: {}, and no effect of the catalogue explains it", unexplained(diagnosis))
         }

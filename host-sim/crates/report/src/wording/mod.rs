@@ -10,6 +10,7 @@ mod location;
 mod outside;
 mod recordings;
 mod still_moving;
+mod structure;
 mod tolerance;
 mod unit;
 
@@ -23,5 +24,6 @@ pub use location::{error_shape, region, spool_habit};
 pub use outside::{outside_cause, outside_explains, outside_kind};
 pub use recordings::{range_end, recording_advice, taken_as_absolute, unsettled};
 pub use still_moving::still_moving;
+pub use structure::{shown, structure, structure_shown, yardstick};
 pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
 pub use unit::unit_doubt;

@@ -3,6 +3,7 @@
 mod added_force;
 pub(crate) mod coarse;
 mod load_balance;
+mod running_sum;
 
 use std::sync::Arc;
 
@@ -23,6 +24,7 @@ use crate::sensor_fault::Mended;
 use crate::whitening::Whitening;
 
 pub use crate::input_point::InputPoint;
+pub use running_sum::RunningSum;
 
 /// What drives the model, one value per grid point (`ticks + 1` of them) or per tick (`ticks`), in SI units.
 #[derive(Clone, Debug, PartialEq)]
