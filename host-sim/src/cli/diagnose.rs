@@ -174,7 +174,9 @@ fn note_recordings(job: &Job, recordings: &[&Recording], console: &Console<'_>) 
     let found = follower(&job.file, &base_parameters(&job.file), recordings);
     let found = found.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause: cause.into() })?;
     if found.is_none() {
-        doubts.iter().for_each(|doubt| console.note(doubt));
+        for doubt in doubts {
+            console.note(doubt);
+        }
     }
     Ok(())
 }

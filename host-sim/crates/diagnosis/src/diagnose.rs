@@ -120,6 +120,7 @@ pub fn diagnose_since(
 }
 
 /// Diagnoses a drive, or where that is asked what has changed of it since.
+#[expect(clippy::too_many_lines, reason = "the whole way, a stage a line")]
 fn diagnosed(
     file: &MachineFile,
     asks_since: bool,
@@ -204,7 +205,7 @@ fn diagnosed(
     let shown = show_all(trained, held, &plain, &plain_base.fit, &after.fit)?;
     let of_spool = valve.into_iter().flat_map(|valve| valve.estimates);
     let refitted = of_base(&moves.free, &findings, of_spool.chain(estimates));
-    let structure = structure(linear, &shown, &file.machine, recorded_supply(training.iter().chain(held_out)));
+    let structure = structure(linear, &shown, &file.machine, &recorded_supply(training.iter().chain(held_out)));
     Ok(Diagnosis {
         machine: file.name.clone(),
         since: asks_since.then(|| on.clone()),

@@ -83,7 +83,7 @@ pub(crate) fn structure(
     linear: Vec<Yardstick>,
     shown: &[Shown],
     machine: &Machine<f64>,
-    supply_pa: Vec<Option<&[f64]>>,
+    supply_pa: &[Option<&[f64]>],
 ) -> Structure {
     let training = shown.iter().take_while(|shown| !shown.held_out).count();
     let measured: Vec<Measured> =
@@ -100,7 +100,7 @@ pub(crate) fn structure(
         let integrates = measured.iter().find_map(|measured| measured.yardstick.integrates.as_ref());
         let told = integrates.filter(|linear| linear.mean_fit_percent(0..training).unwrap_or(0.0) > LAG_TOLD_PERCENT);
         let lag_s = told.map_or(0.0, |linear| linear.shape.settling_s() + linear.delay_s);
-        let (moves, sags) = uncommanded::look(shown, machine, lag_s, &supply_pa);
+        let (moves, sags) = uncommanded::look(shown, machine, lag_s, supply_pa);
         shows.extend(moves.map(Shows::MovesUncommanded));
         shows.extend(sags.map(Shows::SupplySags));
     }

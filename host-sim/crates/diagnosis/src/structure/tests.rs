@@ -11,12 +11,11 @@ use super::*;
 
 const STEP_S: f64 = 2e-3;
 
-/// A command that steps to a new value every so often.
-fn stepping(stream: u64, seconds: f64, every_s: f64, volts: f64) -> Vec<f64> {
+/// A command that steps to a new value, held for so many rows.
+fn stepping(stream: u64, rows: usize, held: usize, volts: f64) -> Vec<f64> {
     let mut noise = Noise::new(17, stream);
     let mut value = 0.0;
-    let held = (every_s / STEP_S) as usize;
-    (0..(seconds / STEP_S) as usize)
+    (0..rows)
         .map(|row| {
             if row % held == 0 {
                 value = noise.gaussian(volts).clamp(-2.0 * volts, 2.0 * volts);
@@ -59,8 +58,8 @@ fn found(machine: &Machine<f64>, recordings: &[Recording]) -> Structure {
         Shown { prepared: case.clone(), held_out, before: run.clone(), after: run }
     };
     let shown: Vec<Shown> = cases.iter().enumerate().map(shown).collect();
-    let supply_pa = recordings.iter().map(|recording| recording.signal(Signal::SupplyPressure)).collect();
-    structure(linear, &shown, machine, supply_pa)
+    let supply_pa: Vec<_> = recordings.iter().map(|recording| recording.signal(Signal::SupplyPressure)).collect();
+    structure(linear, &shown, machine, &supply_pa)
 }
 
 /// Three recordings of the same kind.
@@ -89,7 +88,7 @@ fn a_drive_that_the_model_follows_has_no_wrong_structure_and_neither_has_one_tha
     for further in lacking {
         let real = press(further);
         let recordings = three(|index| {
-            let command = stepping(index, 8.0, 0.7, 2.0);
+            let command = stepping(index, 4000, 350, 2.0);
             made("r", command.clone(), moved(&real, &command, 0.15), Vec::new())
         });
         let found = found(&machine, &recordings);
@@ -121,7 +120,7 @@ fn follower(command: &[f64], omega: f64, damping: f64) -> Vec<f64> {
 fn what_comes_to_rest_where_the_command_says_follows_it() {
     for (omega, damping) in [(6.0, 0.4), (4.0, 1.0), (12.0, 4.0)] {
         let recordings = three(|index| {
-            let command = stepping(index, 8.0, 0.9, 2.0);
+            let command = stepping(index, 4000, 450, 2.0);
             made("r", command.clone(), follower(&command, omega, damping), Vec::new())
         });
         let found = found(&press(&[]), &recordings);
@@ -154,7 +153,7 @@ fn controlled(set_m: &[f64]) -> Vec<f64> {
 #[test]
 fn a_set_value_that_is_recorded_as_the_command_is_followed() {
     let recordings = three(|index| {
-        let set_v = stepping(index, 12.0, 1.5, 1.5);
+        let set_v = stepping(index, 6000, 750, 1.5);
         let set_m: Vec<f64> = set_v.iter().map(|volts| 0.15 + 0.03 * volts).collect();
         made("r", set_v, controlled(&set_m), Vec::new())
     });
@@ -201,17 +200,6 @@ fn a_supply_that_falls_while_the_own_command_rests_is_told_where_the_model_is_wr
     };
     let says = |is_shared| {
         let found = found(&machine, &three(|index| recording(index, is_shared)));
-        println!(
-            "{is_shared}: {:?} {:?} {:?} {}",
-            found.shows,
-            found.driven_by,
-            found.measured.len(),
-            found
-                .measured
-                .iter()
-                .map(|m| format!("{} {} {:?}", m.yardstick.signal, m.training_percent, m.is_better))
-                .collect::<String>()
-        );
         found.shows.iter().any(|shows| matches!(shows, Shows::SupplySags(_)))
     };
     assert!(says(true) && !says(false));
@@ -220,7 +208,7 @@ fn a_supply_that_falls_while_the_own_command_rests_is_told_where_the_model_is_wr
 #[test]
 fn of_few_rows_or_a_command_that_never_moves_nothing_is_said() {
     let machine = press(&[]);
-    let command = stepping(1, 0.02, 0.01, 2.0);
+    let command = stepping(1, 10, 5, 2.0);
     let short = three(|_| made("r", command.clone(), moved(&machine, &command, 0.15), Vec::new()));
     let rest = vec![1.0; 2000];
     let still = three(|_| made("r", rest.clone(), moved(&machine, &rest, 0.05), Vec::new()));

@@ -237,6 +237,8 @@ fn unit(mut column: Vec<f64>, others: &[Vec<f64>]) -> Vec<f64> {
     }
     let left = dot(&column, &column);
     let scale = if left > NOTHING * whole { 1.0 / left.sqrt() } else { 0.0 };
-    column.iter_mut().for_each(|value| *value *= scale);
+    for value in &mut column {
+        *value *= scale;
+    }
     column
 }

@@ -19,6 +19,7 @@ pub use tables::{parameters, tolerances, uncertainty};
 
 /// The whole text.
 #[must_use]
+#[expect(clippy::too_many_lines, reason = "the whole text, part by part")]
 pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     let mut text = sentence(diagnosis);
     text.push('\n');
