@@ -21,6 +21,8 @@ const SPOOL: Recorded =
 const FLOW: Recorded = Recorded { by: Signal::Flow, judged: &[Signal::PressureA, Signal::PressureB, Signal::Position] };
 const FLOW_ALONE: Recorded = Recorded { by: Signal::Flow, judged: &[Signal::Position] };
 const FORCE: Recorded = Recorded { by: Signal::Force, judged: &[Signal::Position] };
+/// Nothing drives the model but the force of both pressures.
+const PRESSURES: Recorded = Recorded { by: Signal::PressureA, judged: &[Signal::PressureB, Signal::Position] };
 
 /// A drive's readings: the spool sensor, a meter for the flow into A, or a sensor for the oil's force with usual noise; and the other sensors.
 fn read(made: &SyntheticRecording, name: &str, recorded: Recorded) -> Recording {
@@ -33,6 +35,7 @@ fn read(made: &SyntheticRecording, name: &str, recorded: Recorded) -> Recording 
     let force = |state: &PlantState| area_a * state.pressure_a_pa - area_b * state.pressure_b_pa;
     let driving: Vec<f64> = match recorded.by {
         Signal::Spool => made.spool.clone(),
+        Signal::PressureA => made.pressure_a_pa.clone(),
         Signal::Flow => made.truth.iter().map(|state| state.flow_a_m3_per_s + error()).collect(),
         _ => made.truth.iter().map(|state| force(state) + error()).collect(),
     };
@@ -93,4 +96,9 @@ fn a_flow_meter_and_the_position_alone_tell_of_leakage_and_of_nothing_where_noth
 fn a_force_sensor_and_the_position_alone_tell_of_the_mechanics_and_of_nothing_where_nothing_is_missing() {
     let draws = [("none", 0.0, 1), ("none", 0.0, 2), ("coulomb-friction", 600.0, 3), ("linkage-backlash", 1.5e-3, 4)];
     are_told(FORCE, &draws);
+}
+
+#[test]
+fn both_pressures_and_the_position_alone_tell_of_the_mechanics_and_of_nothing_where_nothing_is_missing() {
+    are_told(PRESSURES, &[("none", 0.0, 1), ("none", 0.0, 2), ("coulomb-friction", 600.0, 3)]);
 }

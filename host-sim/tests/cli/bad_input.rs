@@ -71,7 +71,8 @@ fn what_is_missing_is_named() {
     let folder = folder_with(MACHINE, "time [s],position [m]\n0,0.1\n0.1,0.2\n");
     let message = refused(folder.path(), &SIMULATE);
     assert!(
-        message.contains("nothing drives the model") && message.contains("command, spool, flow or force"),
+        message.contains("nothing drives the model")
+            && message.contains("command, spool, flow, force or both chamber pressures"),
         "{message}"
     );
     let folder = folder_with(MACHINE, "time [s],command [V]\n0,1\n0.1,2\n");

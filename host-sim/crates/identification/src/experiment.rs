@@ -195,8 +195,7 @@ impl Prepared {
         for channel in &mut channels {
             channel.failed[..unsettled].fill(true);
         }
-        let measured = if input_point.is_set() { None } else { mended.recording.signal(input_point.driving()) };
-        let input_noise = measured.map_or(0.0, |values| noise(values, resolution(values)));
+        let input_noise = input_noise(&mended.recording, input_point, machine);
         mended.failures.retain(|(_, failures)| failures.are_any());
         let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {
             let step = resolution(position);
@@ -291,6 +290,17 @@ impl Prepared {
     pub fn judged_by(&self, wanted: impl Fn(Signal) -> bool) -> Self {
         let channels = self.channels.iter().filter(|channel| wanted(channel.signal)).cloned().collect();
         Self { channels, ..self.clone() }
+    }
+}
+
+/// Standard deviation of the noise of the recorded signal that drives the model, SI; of a force from both pressures, of their noise together.
+fn input_noise(recording: &Recording, input_point: InputPoint, machine: &Machine<f64>) -> f64 {
+    let of = |signal| recording.signal(signal).map(|values| noise(values, resolution(values)));
+    let from = |pressure, area| machine.get(area) * of(pressure).unwrap_or(0.0);
+    match (input_point.is_set(), of(input_point.driving())) {
+        (true, _) => 0.0,
+        (false, Some(noise)) => noise,
+        (false, None) => from(Signal::PressureA, Parameter::AreaA).hypot(from(Signal::PressureB, Parameter::AreaB)),
     }
 }
 

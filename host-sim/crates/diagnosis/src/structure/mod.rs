@@ -212,8 +212,9 @@ pub(crate) fn follows(yardstick: &Yardstick) -> Option<Shows> {
     // One more value: the time in which it comes to rest.
     let penalty = 0.5 * pairs.iter().map(|(one, _)| independent_squares(one)).sum::<f64>().ln().max(0.0);
     let is_by_far = takes_half(&pairs) && log_likelihood(&pairs) > penalty + BEYOND_PENALTY;
-    // What comes to rest later than any recording lasts, integrates as far as these tell.
-    if !is_by_far || !matches!(follows.shape, Shape::Follows { .. }) || settling_s > longest_s {
+    // What comes to rest later than any recording lasts, integrates as far as these tell; or it rings by itself, whatever the command is.
+    let rests = settling_s.max(follows.shape.decay_s()) <= longest_s;
+    if !is_by_far || !matches!(follows.shape, Shape::Follows { .. }) || !rests {
         return None;
     }
     Some(Shows::Follows {

@@ -133,6 +133,17 @@ fn what_comes_to_rest_where_the_command_says_follows_it() {
     }
 }
 
+/// A position that swings as it likes under a command that steps: a free swing fits it, and nothing follows.
+#[test]
+fn what_swings_by_itself_follows_nothing() {
+    let recordings = three(|index| {
+        let command = stepping(index, 2000, 250, 2.0);
+        let swings = (0..2000).map(|row| 0.1 + 0.02 * (3.0 * f64::from(row) * STEP_S).sin()).collect::<Vec<_>>();
+        made("r", command, noisy(&swings), Vec::new())
+    });
+    assert!(!found(&press(&[]), &recordings).follows());
+}
+
 /// The press in closed position control: the set value, and where the rod goes.
 fn controlled(set_m: &[f64]) -> Vec<f64> {
     let (mut position_m, mut opening) = (0.15, 0.0);

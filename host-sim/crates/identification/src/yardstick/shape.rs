@@ -49,6 +49,15 @@ impl Shape {
         }
     }
 
+    /// The time constant with which it comes to rest, s: of one that rings, that of its envelope.
+    #[must_use]
+    pub fn decay_s(&self) -> f64 {
+        match *self {
+            Self::Follows { omega, damping } if damping < 1.0 => 1.0 / (damping * omega),
+            _ => self.settling_s(),
+        }
+    }
+
     /// Over this time, s.
     pub(super) fn step(&self, time_s: f64) -> Step {
         match *self {
