@@ -7,6 +7,8 @@ use diagnosis::{Diagnosis, Verdict, diagnose};
 use machine_file::MachineFile;
 use model_core::machine::Parameter;
 use recording::{ChannelMap, Column, Recording, Signal};
+use report::evidence::Exhibits;
+use report::plot::{Marks, RangeBin};
 
 use super::bed::Dice;
 
@@ -65,8 +67,13 @@ impl Axis {
         Recording::new(&format!("run-{run}"), columns).unwrap()
     }
 
+    /// Two recordings to train on, and two that are held out.
+    fn recordings(&self, judged: &[Signal]) -> [[Recording; 2]; 2] {
+        [[1, 2], [3, 4]].map(|runs| runs.map(|run| self.recorded(run, judged)))
+    }
+
     fn diagnosed(&self, file: &MachineFile, judged: &[Signal]) -> Diagnosis {
-        let [training, held_out] = [[1, 2], [3, 4]].map(|runs| runs.map(|run| self.recorded(run, judged)));
+        let [training, held_out] = self.recordings(judged);
         diagnose(file, &training, &held_out, None, &|_| {}).unwrap()
     }
 }
@@ -93,6 +100,29 @@ fn dry_friction_of_a_rough_guide_is_told_from_position_velocity_or_both_and_from
             assert!((found / truth - 1.0).abs() < 0.06, "{judged:?}, {guessed} N s/m: {found} instead of {truth}");
         }
     }
+}
+
+/// The measured force less that of mass and viscous friction is what the guide brakes with, and the page draws it without any pressure.
+#[test]
+fn the_picture_of_friction_below_a_measured_force_shows_what_was_recorded() {
+    let file = file(250.0);
+    let [training, held_out] = RUBS.recordings(&[Signal::Position]);
+    let diagnosis = diagnose(&file, &training, &held_out, None, &|_| {}).unwrap();
+    let exhibits = Exhibits::of(&file, &training, &held_out, &diagnosis, true).unwrap();
+    let picture = exhibits.pictures.iter().find(|picture| picture.effect == "coulomb-friction").unwrap();
+    let bins: Vec<&RangeBin> = picture
+        .figure
+        .layers
+        .iter()
+        .filter_map(|layer| if let Marks::Bins(bins) = &layer.marks { Some(bins) } else { None })
+        .flatten()
+        .filter(|bin| bin.x.abs() > 40.0)
+        .collect();
+    assert!(bins.len() > 4, "{picture:?}");
+    for bin in bins {
+        assert!((bin.quartiles[1] - RUBS.coulomb_n * bin.x.signum()).abs() < 4.0, "{bin:?}");
+    }
+    assert!(!picture.caption.contains("lack a channel") && diagnosis.level_at_rest.is_none(), "{}", picture.caption);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use model_core::machine::{Machine, MachineError, Parameter};
 use recording::Signal;
-use simulation::StartOffset;
+use simulation::{InputPoint, StartOffset};
 
 use super::residuals::{soft, standardised_all};
 use crate::experiment::Prepared;
@@ -47,11 +47,12 @@ fn at_logit(logit: f64) -> f64 {
 
 /// Whether the level of pressure at rest is needed, as it is not recorded.
 pub(crate) fn needs_level(case: &Prepared) -> bool {
-    case.stimulus.start.pressures_pa.is_none()
+    // A force moves the rod whatever the pressures are.
+    case.stimulus.start.pressures_pa.is_none() && case.stimulus.input_point != InputPoint::Force
 }
 
 /// The level at rest that a machine file should have after a fit: the mean of its recordings' levels, in their coordinate.
-/// `None` where every recording has its pressures.
+/// `None` where every recording has its pressures, or is entered at a force.
 #[must_use]
 pub fn level_at_rest(machine: &Machine<f64>, cases: &[&Prepared], starts: &[StartState]) -> Option<f64> {
     let levels = cases.iter().zip(starts).filter(|(case, _)| needs_level(case)).map(|(_, start)| start.level);

@@ -20,7 +20,7 @@ pub(crate) struct Family {
     pub(crate) point: Point,
 }
 
-const PRESSURES: &[Signal] = &[Signal::PressureA, Signal::PressureB, Signal::Position];
+pub(crate) const PRESSURES: &[Signal] = &[Signal::PressureA, Signal::PressureB, Signal::Position];
 const SPOOL: &[Signal] = &[Signal::Spool];
 const BAR: f64 = 1e-5;
 const MM: f64 = 1e3;
@@ -222,7 +222,7 @@ pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
         },
         "coulomb-friction" | "stribeck-friction" | "friction-asymmetry" | "presliding" => Family {
             title: "Force that brakes the rod, over the velocity",
-            caption: "Balance of forces: both pressures and the load, less inertia and viscous friction.",
+            caption: "Balance of forces: the oil's or the measured one and the load, less inertia and viscous friction.",
             x: ("velocity", "mm/s"),
             y: ("braking force", "N"),
             needs: PRESSURES,
@@ -257,7 +257,7 @@ pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
         },
         "position-dependent-load" | "end-stop" => Family {
             title: "Force against extending, over the position",
-            caption: "Balance of forces: both pressures and the load, less inertia and viscous friction.",
+            caption: "Balance of forces: the oil's or the measured one and the load, less inertia and viscous friction.",
             x: ("position", "mm"),
             y: ("force", "N"),
             needs: PRESSURES,
@@ -367,12 +367,9 @@ pub(crate) fn lacking_motion(effect: &Hypothesis) -> Family {
     }
 }
 
-/// Force on the rod that neither the pressures, nor inertia, nor viscous friction explain, positive against extending, N.
+/// Force on the rod that neither the oil or what was measured in its place, nor inertia, nor viscous friction explain, positive against extending, N.
 fn braking(law: &Law, m: &Moment) -> f64 {
-    let (area_a, area_b) = law.by.area;
-    area_a * m.a_pa - area_b * m.b_pa + law.by.load + m.load_n
-        - law.by.mass * m.acceleration
-        - law.by.damping * m.velocity
+    m.force_n + law.by.load + m.load_n - law.by.mass * m.acceleration - law.by.damping * m.velocity
 }
 
 fn into_a(law: &Law, m: &Moment) -> f64 {

@@ -8,13 +8,13 @@
 mod families;
 mod view;
 
-use families::{Family, lacking_motion, of};
-use view::{Law, Moment, moments};
+use families::{Family, PRESSURES, lacking_motion, of};
+use view::{Law, Moment, is_entered_at_force, moments};
 
 use diagnosis::Diagnosis;
 use diagnosis::catalogue::Hypothesis;
 use model_core::machine::{Fallback, Machine, MachineError};
-use recording::Recording;
+use recording::{Recording, Signal};
 use simulation::signal::noise::quantile;
 
 use crate::plot::{Figure, Layer, Marks, RangeBin, Style};
@@ -50,7 +50,9 @@ pub(super) fn pictures_of(
         diagnosis.shown.iter().all(|shown| shown.prepared.channels.iter().any(|channel| channel.signal == signal))
     };
     let family = of(effect, &diagnosis.machine_after);
-    let measured = family.needs.iter().all(|signal| has(*signal));
+    // A force that drives the model, and where the rod goes, tell the balance of forces without pressures.
+    let knows_force = has(Signal::Position) && diagnosis.shown.iter().all(is_entered_at_force);
+    let measured = family.needs.iter().all(|signal| has(*signal) || (knows_force && PRESSURES.contains(signal)));
     let drives = moments(&law, diagnosis, recordings)?;
     let mut pictures = vec![picture(effect, &family, &law, &drives, measured)];
     if !measured {

@@ -12,7 +12,7 @@ use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use model_core::ports::ChamberState;
 use recording::{Recording, Signal};
 use simulation::signal::window::Window;
-use simulation::{DELAY_LINE, Trajectory, simulate_f64};
+use simulation::{DELAY_LINE, InputPoint, Trajectory, simulate_f64};
 
 use super::Drives;
 
@@ -71,6 +71,8 @@ pub(crate) struct Moment {
     pub(crate) velocity_off: f64,
     pub(crate) velocity: f64,
     pub(crate) acceleration: f64,
+    /// Of the oil, or as it was measured where that drives the model, N.
+    pub(crate) force_n: f64,
     /// External force without the constant one, N.
     pub(crate) load_n: f64,
     pub(crate) pump_rev_per_s: f64,
@@ -103,7 +105,7 @@ pub(crate) fn moments(law: &Law, diagnosis: &Diagnosis, recordings: &[&Recording
         let reference = simulated(law, shown, recording, &reference);
         let flows = |view: &View<'_>| ports(law, shown.prepared.stimulus.tick, recording, view);
         let of = |view: &View<'_>| -> Result<Vec<Moment>, MachineError> {
-            Ok(over(&windows, shown, recording, view, &reference, &flows(view)?))
+            Ok(over(law, &windows, shown, recording, view, &reference, &flows(view)?))
         };
         drives.recorded.extend(of(&recorded)?);
         drives.before.extend(of(&before)?);
@@ -166,6 +168,7 @@ fn ports(law: &Law, tick: Tick, recording: &Recording, view: &View<'_>) -> Resul
 }
 
 fn over(
+    law: &Law,
     windows: &[Window],
     shown: &Shown,
     recording: &Recording,
@@ -179,6 +182,12 @@ fn over(
     let drives = if recording.has(Signal::Command) { Signal::Command } else { Signal::PumpSpeed };
     let (command, load, pump) = (given(drives), given(Signal::LoadForce), given(Signal::PumpSpeed));
     let oil = recording.signal(Signal::OilTemperature);
+    let (area_a, area_b) = law.by.area;
+    let measured = recording.signal(Signal::Force).filter(|_| is_entered_at_force(shown));
+    let force = measured.map_or_else(
+        || Cow::Owned(view.a.iter().zip(&*view.b).map(|(a, b)| area_a * a - area_b * b).collect()),
+        Cow::Borrowed,
+    );
     let turned = turns(&reference.spool);
     let minus = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
     let position_off = minus(&view.position, &reference.position);
@@ -207,6 +216,7 @@ fn over(
                 velocity_off: slope(&position_off),
                 velocity: slope(&view.position),
                 acceleration: window.curvature(&view.position) / weight,
+                force_n: mean(&force),
                 load_n: mean(&load),
                 pump_rev_per_s: mean(&pump),
                 oil_c: oil.map(&mean),
@@ -215,6 +225,11 @@ fn over(
             }
         })
         .collect()
+}
+
+/// Whether a measured force, or that of both pressures, drives the model.
+pub(crate) fn is_entered_at_force(shown: &Shown) -> bool {
+    shown.prepared.stimulus.input_point == InputPoint::Force
 }
 
 /// Smallest travel that counts as a movement of the spool, as a share of its full travel.
