@@ -16,4 +16,5 @@ pub mod fit;
 pub mod input_noise;
 pub mod parallel;
 pub mod static_curve;
+pub mod visible;
 pub mod yardstick;

@@ -11,7 +11,7 @@ use recording::display_unit::{TABLE, arrange, difference, significant};
 use recording::{Dimension, Signal, Unit};
 use simulation::InputPoint;
 
-use crate::wording::recording_advice;
+use crate::wording::{self, recording_advice};
 
 /// The text of one recording; its table has this number of characters a line, or as many as it needs.
 #[must_use]
@@ -64,9 +64,10 @@ pub fn text(found: &Inspection, width: Option<u16>) -> String {
         let stroke = rod
             .of_stroke
             .map_or_else(String::new, |share| format!(", {} % of the stroke", significant(100.0 * share, 2)));
+        let as_sampled = if found.unseen.is_some() { " as sampled" } else { "" };
         let _ = writeln!(
             text,
-            "           rod {} … {} mm{stroke}, {} … {} mm/s; moves {} % of the time, holds for {} s at most",
+            "           rod {} … {} mm{stroke}, {} … {} mm/s{as_sampled}; moves {} % of the time, holds for {} s at most",
             significant(1e3 * rod.low_m, 4),
             significant(1e3 * rod.high_m, 4),
             significant(1e3 * rod.retracting_m_per_s, 3),
@@ -74,6 +75,9 @@ pub fn text(found: &Inspection, width: Option<u16>) -> String {
             significant(100.0 * rod.moving, 2),
             significant(rod.held_s, 2)
         );
+    }
+    if let Some(unseen) = found.unseen {
+        let _ = writeln!(text, "unseen     {}", wording::unseen(&unseen));
     }
     for (index, advice) in found.advice.iter().enumerate() {
         let _ = writeln!(text, "{:<10} {}", if index == 0 { "advice" } else { "" }, recording_advice(advice));
@@ -190,6 +194,9 @@ fn recording(found: &Inspection) -> Value {
         "source": match found.source { Source::Valve => "valve", Source::Pump => "pump" },
         "channels": found.channels.iter().map(channel).collect::<Vec<_>>(),
         "links": found.links.iter().map(link).collect::<Vec<_>>(),
+        "unseen": found.unseen.as_ref().map(|unseen| json!({
+            "above_hz": unseen.fastest_hz, "valve_s": unseen.valve_s, "oil_column_hz": unseen.oil_column_hz, "sentence": wording::unseen(unseen),
+        })),
         "valve_opened": opened, "rod": rod, "advice": found.advice.iter().map(recording_advice).collect::<Vec<_>>(),
     })
 }

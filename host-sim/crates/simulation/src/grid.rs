@@ -88,6 +88,15 @@ impl<'a> Grid<'a> {
     }
 }
 
+/// Whether so few rows were recorded that the fast half of a drive does not show: below 50 Hz.
+#[must_use]
+pub fn is_sparse(time_s: &[f64]) -> bool {
+    /// A tenth of it, 2 ms, is the coarsest tick of the core.
+    const SPARSE_FROM_S: f64 = 0.02;
+    let intervals = time_s.len().saturating_sub(1).max(1) as f64;
+    time_s.last().zip(time_s.first()).is_some_and(|(last, first)| (last - first) / intervals >= SPARSE_FROM_S)
+}
+
 /// A series with one value for each row, at other times in their order: linear between rows, held before the first and after the last.
 pub fn between_rows(row_s: &[f64], values: &[f64], times_s: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut row = 0;

@@ -32,7 +32,7 @@ mod whitening;
 pub use arithmetic::Arithmetic;
 pub use derivatives::{By, Derivatives, Derived, MOST_PARAMETERS, OF_START};
 pub use error::SimulateError;
-pub use grid::between_rows;
+pub use grid::{between_rows, is_sparse};
 pub use in_chunks::{Advance, InChunks};
 pub use in_lanes::{Run, run_in_lanes};
 pub use initial_state::{DELAY_LINE, StartOffset};

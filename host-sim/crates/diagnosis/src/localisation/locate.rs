@@ -5,6 +5,7 @@
 
 use identification::experiment::{JudgedSignal, Prepared};
 use identification::fit::{Misfit, StartState, misfits};
+use identification::visible::shows_frequency;
 use machine_file::LoadSource;
 use model_core::machine::{Machine, MachineError};
 use recording::{Recording, Signal};
@@ -159,7 +160,8 @@ fn oscillation(case: &Case<'_>, trajectory: &Trajectory) -> Option<Shape> {
     });
     let supply = case.recording.signal(Signal::SupplyPressure).map(|values| (Signal::SupplyPressure, values.to_vec()));
     let found = missed.chain(supply).filter_map(|(signal, values)| {
-        let line = strongest_line(&values, interval_s, SLOWEST_HZ)?;
+        let line = strongest_line(&values, interval_s, SLOWEST_HZ)
+            .filter(|line| shows_frequency(line.hz, interval_s, prepared.duration_s()))?;
         // Only what is faster than the motion counts: the line is compared with the power of the series less its moving mean.
         let fast = high_passed(&values, rows_in(&prepared.time_s, 0.5 / SLOWEST_HZ));
         let mean_square = fast.iter().map(|value| value * value).sum::<f64>() / fast.len().max(1) as f64;

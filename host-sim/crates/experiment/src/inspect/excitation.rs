@@ -3,6 +3,7 @@
 use model_core::machine::{Machine, Parameter, Source};
 use recording::display_unit::{unit_for_people, unit_of};
 use recording::{Recording, Signal, Unit};
+use simulation::is_sparse;
 use simulation::sensor_fault::{Failures, bridged};
 use simulation::signal::noise::{extent, noise, resolution};
 use simulation::signal::slope::slopes;
@@ -125,8 +126,11 @@ fn travelled(recording: &Recording, machine: Option<&Machine<f64>>) -> Option<Tr
     let position = bridged(read, &Failures::of(Signal::Position, time_s, read).rows());
     let (low_m, high_m) = extent(&position);
     let noise = noise(&position, resolution(&position));
-    let velocity = slopes(time_s, &position, (rows_in(time_s, OVER_S) / 2).max(1));
-    let slow = MOVES * noise / OVER_S;
+    let reach = (rows_in(time_s, OVER_S) / 2).max(1);
+    let velocity = slopes(time_s, &position, reach);
+    // Where rows are further apart than that, the slope is over the rows on either side.
+    let row_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1).max(1) as f64;
+    let slow = MOVES * noise / if is_sparse(time_s) { OVER_S.max(2.0 * reach as f64 * row_s) } else { OVER_S };
     let moves: Vec<bool> = velocity.iter().map(|speed| speed.abs() > slow && high_m > low_m).collect();
     let moving = moves.iter().filter(|moves| **moves).count() as f64 / moves.len() as f64;
     let fastest = velocity.iter().zip(&moves).filter(|(_, moves)| **moves).map(|(speed, _)| *speed);
@@ -200,6 +204,17 @@ mod tests {
         let travelled = Excited::of(&made, None).travelled.unwrap();
         assert!((travelled.extending_m_per_s - 0.1).abs() < 2e-3 && (travelled.retracting_m_per_s + 0.1).abs() < 2e-3);
         assert!((travelled.held_s - 1.0).abs() < 0.12, "{travelled:?}");
+    }
+
+    #[test]
+    fn a_level_that_moves_slowly_between_rows_of_seconds_moves() {
+        let time_s: Vec<f64> = (0..60).map(|row| 4.0 * f64::from(row)).collect();
+        let position = |time: f64| 0.07 + 0.03 * (time / 40.0).sin();
+        let position: Vec<f64> = time_s.iter().map(|time| (position(*time) / 1e-4).round() * 1e-4).collect();
+        let columns = vec![Column::si(Signal::Time, time_s), Column::si(Signal::Position, position)];
+        let travelled = Excited::of(&Recording::new("made", columns).unwrap(), None).travelled.unwrap();
+        assert!(travelled.moving > 0.5, "{travelled:?}");
+        assert!((travelled.extending_m_per_s - 0.75e-3).abs() < 0.1e-3, "{travelled:?}");
     }
 
     #[test]

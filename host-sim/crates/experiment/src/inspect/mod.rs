@@ -7,6 +7,7 @@ mod command;
 mod excitation;
 mod testable;
 mod units;
+mod unseen;
 
 use diagnosis::agreement::{Suspicion, first_look};
 use identification::clock::Stamps;
@@ -19,6 +20,7 @@ pub use channels::InspectedColumn;
 pub use excitation::{Excited, Opened, Travelled};
 pub use testable::{LinkTest, Reach};
 pub use units::unit_doubts;
+pub use unseen::Unseen;
 
 /// Everything that is found in one recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +45,8 @@ pub struct Inspection {
     pub links: Vec<LinkTest>,
     /// What moved, and how far.
     pub excited: Excited,
+    /// What its rows are too far apart to show.
+    pub unseen: Option<Unseen>,
     /// What is worth a second look, or another recording.
     pub advice: Vec<Advice>,
 }
@@ -85,6 +89,7 @@ impl Inspection {
             source,
             links: testable::links(source, |signal| recording.has(signal)),
             excited,
+            unseen: Unseen::of(recording, file.map(|file| &file.machine)),
             advice,
         }
     }

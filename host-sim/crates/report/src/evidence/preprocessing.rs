@@ -6,6 +6,7 @@ use std::fmt;
 use diagnosis::Shown;
 use identification::clock::{Shift, Stamps};
 use identification::experiment::Prepared;
+use identification::visible::shows_lag;
 use recording::display_unit::{significant, unit_for_people};
 use recording::{Note, Recording, Signal};
 use simulation::sensor_fault::{FailureKind, Failures, RangeEnd, Stretch};
@@ -241,7 +242,9 @@ fn shifts(shown: &Shown) -> Vec<Shift> {
             let simulated = shown.after.signal(channel.signal)?;
             let rows = channel.recorded.iter().zip(simulated);
             let missed: Vec<f64> = rows.map(|(recorded, simulated)| recorded - simulated).collect();
-            Shift::of(channel.signal, &prepared.time_s, &missed, simulated, &channel.failed)
+            let shift = Shift::of(channel.signal, &prepared.time_s, &missed, simulated, &channel.failed)?;
+            // A shift of less than a row may well show; one of a large part of the recording is none.
+            shows_lag(shift.late_s, 0.0, prepared.duration_s()).then_some(shift)
         })
         .collect()
 }

@@ -5,6 +5,7 @@
 //! of both are correlated.
 
 use diagnosis::{Diagnosis, Shown};
+use identification::visible::shows_lag;
 use recording::display_unit::significant;
 use recording::{Recording, Signal};
 
@@ -33,6 +34,8 @@ pub struct Whiteness {
     pub cross: Vec<f64>,
     /// Half width of its 99 % band.
     pub cross_band: f64,
+    /// Lags of at most so many rows are told: a longer one is too large a part of the shortest recording.
+    pub told: usize,
 }
 
 impl Whiteness {
@@ -51,15 +54,16 @@ impl Whiteness {
     /// Lag at which the residual autocorrelation is largest, s; `None` where the residual is white.
     #[must_use]
     pub fn lasts(&self) -> Option<f64> {
-        let index = largest(&self.auto, self.auto_band)?;
+        let index = largest(self.auto.get(..self.told.min(self.auto.len()))?, self.auto_band)?;
         Some(self.lag_s * (index + 1) as f64)
     }
 
     /// Lag at which the correlation with the input is largest, s; `None` where it is only chance. Negative where the residual comes before the input.
     #[must_use]
     pub fn follows_input(&self) -> Option<f64> {
-        let index = largest(&self.cross, self.cross_band)?;
-        Some(self.lag_s * (index as f64 - LAGS as f64))
+        let told = self.told.min(LAGS);
+        let index = largest(self.cross.get(LAGS - told..=LAGS + told)?, self.cross_band)?;
+        Some(self.lag_s * (index as f64 - told as f64))
     }
 }
 
@@ -164,7 +168,9 @@ pub(crate) fn correlations(signal: Signal, lag_s: f64, series: &[(Vec<f64>, Vec<
     };
     let alike: f64 = 1.0 + 2.0 * auto.iter().zip(&of_input).map(|(missed, input)| missed * input).sum::<f64>();
     let auto_band = BAND / (rows.max(1) as f64).sqrt();
-    Whiteness { signal, lag_s, auto, auto_band, cross, cross_band: auto_band * alike.max(1.0).sqrt() }
+    let shortest = series.iter().map(|(missed, _)| missed.len()).min().unwrap_or_default();
+    let told = (1..=LAGS).take_while(|lag| shows_lag(*lag as f64, 1.0, shortest.saturating_sub(1) as f64)).count();
+    Whiteness { told, signal, lag_s, auto, auto_band, cross, cross_band: auto_band * alike.max(1.0).sqrt() }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use diagnosis::localisation::Habit;
 use diagnosis::localisation::error_shape::Shape;
 use diagnosis::localisation::operating_region::{Condition, Region};
+use identification::visible::shows_share;
 use recording::display_unit::{difference, significant, state_unit};
 
 /// The operating region that shows best where an error arises.
@@ -48,7 +49,7 @@ pub fn error_shape(shape: &Shape) -> String {
             format!("it oscillates at {} Hz: {} in {signal}", significant(*hz, 3), difference(*signal, *amplitude))
         }
         Shape::Over { state, unit, explained, bins, pair } => {
-            let explained = significant(100.0 * explained.max(0.0), 2);
+            let told = significant(100.0 * explained.max(0.0), 2);
             let peak = bins.iter().max_by(|a, b| a.mean.abs().total_cmp(&b.mean.abs()));
             let largest = peak.map_or_else(String::new, |peak| {
                 let (unit, scale) = state_unit(unit);
@@ -61,7 +62,18 @@ pub fn error_shape(shape: &Shape) -> String {
             let together = pair.map_or_else(String::new, |(one, other, share)| {
                 format!("; {one} and {other} together explain {} %", significant(100.0 * share, 2))
             });
-            format!("it depends on the {state} (explains {explained} % of its variance){largest}{together}")
+            if !shows_share(*explained) {
+                return pair.map_or_else(
+                    || "it depends on no single state".to_owned(),
+                    |(one, other, share)| {
+                        format!(
+                            "it depends on no single state; {one} and {other} together explain {} %",
+                            significant(100.0 * share, 2)
+                        )
+                    },
+                );
+            }
+            format!("it depends on the {state} (explains {told} % of its variance){largest}{together}")
         }
         Shape::Everywhere => "it depends on no single state".to_owned(),
     }
@@ -122,6 +134,18 @@ mod tests {
         };
         assert!(shape(0.0, 0.0).ends_with("is largest at 0 mm/s"), "{}", shape(0.0, 0.0));
         assert!(shape(0.01, 0.02).ends_with("is largest from 10 to 20 mm/s"), "{}", shape(0.01, 0.02));
+    }
+
+    #[test]
+    fn a_state_that_explains_nothing_is_not_told() {
+        let shape = |pair| {
+            error_shape(&Shape::Over { state: "velocity", unit: "m/s", explained: -0.1, bins: Vec::new(), pair })
+        };
+        assert_eq!(shape(None), "it depends on no single state");
+        assert_eq!(
+            shape(Some(("velocity", "position", 0.42))),
+            "it depends on no single state; velocity and position together explain 42 %"
+        );
     }
 
     #[test]

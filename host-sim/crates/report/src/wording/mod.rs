@@ -22,7 +22,7 @@ pub use far_value::{far_value, far_values};
 pub use finding::{advice, claimed, correction_table, correlation, jumps};
 pub use location::{error_shape, region, spool_habit};
 pub use outside::{outside_cause, outside_explains, outside_kind};
-pub use recordings::{range_end, recording_advice, taken_as_absolute, unsettled};
+pub use recordings::{range_end, recording_advice, taken_as_absolute, unseen, unsettled};
 pub use still_moving::still_moving;
 pub use structure::{shown, structure, structure_shown, yardstick};
 pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
