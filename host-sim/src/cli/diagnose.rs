@@ -11,6 +11,7 @@ use model_core::machine::Tick;
 use recording::{ChannelMap, Column, Format, PressureZero, Recording, Signal};
 use report::evidence::Exhibits;
 use report::{html, json, terminal, wording};
+use simulation::{InputPoint, first_input_point};
 
 use super::console::{Console, Progress, Tone};
 use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE};
@@ -166,6 +167,16 @@ fn is_absolute(
 /// What was noted as the recordings were read, and doubts about their units, unless what they show has another reason: it follows what drives it.
 fn note_recordings(job: &Job, recordings: &[&Recording], console: &Console<'_>) -> Result<(), CliError> {
     recordings.iter().copied().flat_map(input::own_notes).for_each(|note| console.note(note));
+    let source = job.file.machine.source;
+    let by_pressures = |recording: &&&Recording| {
+        first_input_point(source, recording) == Ok(InputPoint::Force) && !recording.has(Signal::Force)
+    };
+    if let Some(recording) = recordings.iter().find(by_pressures) {
+        console.note(format_args!(
+            "{}: neither command, spool, flow nor force is recorded: pa·Aa − pb·Ab drives the model as the force on the rod",
+            recording.name()
+        ));
+    }
     let of_units = |recording: &&Recording| input::unit_notes(recording, &job.file.machine).collect::<Vec<_>>();
     let doubts: Vec<String> = recordings.iter().flat_map(of_units).collect();
     if doubts.is_empty() {

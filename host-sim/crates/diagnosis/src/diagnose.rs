@@ -13,8 +13,9 @@ use identification::yardstick::yardsticks;
 use machine_file::MachineFile;
 use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
+use simulation::sensor_fault::Failures;
 use simulation::signal::noise::extent;
-use simulation::simulate_f64;
+use simulation::{InputPoint, simulate_f64};
 
 use crate::agreement::far_values;
 use crate::asked::{Asked, Beside};
@@ -132,7 +133,7 @@ fn diagnosed(
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     check_entries(&trained, &held)?;
 
-    let sheet = base_parameters(file);
+    let sheet = with_zero_of_force(base_parameters(file), file, training, &trained);
     let on = self::held(file, &sheet);
     let moves = Moves::of(file, &sheet, asks_since.then_some(on.as_slice()), &trained);
     let valve = SettledValve::of(&file.machine, &moves.free, &moves.changeable, &trained)?;
@@ -246,12 +247,14 @@ fn searched(
     progress: Progress<'_>,
 ) -> Result<(Selection, Option<Decision>, Option<Beside>), FitError> {
     let selection = asked.selected(trained, excerpt.as_deref_mut(), progress)?;
-    if let Some((selection, decision)) = gains::found(asked, &selection, (trained, held), excerpt.as_deref(), progress)?
-    {
-        return Ok((selection, Some(decision), None));
-    }
     let beside = if excerpt.is_none() { asked.outside(&selection, trained, held, progress)? } else { None };
-    Ok((selection, None, beside))
+    if beside.is_some() {
+        return Ok((selection, None, beside));
+    }
+    Ok(match gains::found(asked, &selection, (trained, held), excerpt.as_deref(), progress)? {
+        Some((selection, decision)) => (selection, Some(decision), None),
+        None => (selection, None, None),
+    })
 }
 
 /// The training and the held-out recordings, of which each sensor is the same in all.
@@ -316,7 +319,12 @@ struct Plain {
 
 /// The supply pressure of each recording, where it is recorded.
 fn recorded_supply<'a>(recordings: impl Iterator<Item = &'a Recording>) -> Vec<Option<&'a [f64]>> {
-    recordings.map(|recording| recording.signal(Signal::SupplyPressure)).collect()
+    let works = |recording: &Recording, values: &[f64]| {
+        !Failures::of(Signal::SupplyPressure, recording.time_s(), values).are_any()
+    };
+    let of =
+        |recording: &'a Recording| recording.signal(Signal::SupplyPressure).filter(|values| works(recording, values));
+    recordings.map(of).collect()
 }
 
 /// Where the misfit of a model is, by what was named of it, or else by what the best hypothesis of each subsystem would gain.
@@ -450,6 +458,27 @@ pub fn base_parameters(file: &MachineFile) -> Vec<Free> {
         parameter,
         freedom: Freedom::Within { most, is_signed: parameter.description().min < 0.0 },
     }));
+    free
+}
+
+/// The base parameters, and what the zeros of two pressure sensors make of a force that is computed from both: a bar on the larger area. It moves the rod as a
+/// constant load does.
+fn with_zero_of_force(
+    mut free: Vec<Free>,
+    file: &MachineFile,
+    recordings: &[Recording],
+    prepared: &[Prepared],
+) -> Vec<Free> {
+    /// 0.3 % of 250 bar, and what warms up.
+    const ZERO_PA: f64 = 1e5;
+    let from_pressures = |(recording, case): (&Recording, &Prepared)| {
+        case.stimulus.input_point == InputPoint::Force && !recording.has(Signal::Force)
+    };
+    let is_free = free.iter().any(|free| free.parameter == Parameter::LoadForce);
+    if !is_free && recordings.iter().zip(prepared).any(from_pressures) {
+        let area = file.machine.get(Parameter::AreaA).max(file.machine.get(Parameter::AreaB));
+        free.push(Free::around(Parameter::LoadForce, file.machine.get(Parameter::LoadForce), ZERO_PA * area));
+    }
     free
 }
 

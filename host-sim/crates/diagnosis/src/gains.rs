@@ -15,16 +15,20 @@ use crate::decision::{Decision, decide};
 use crate::diagnose::Progress;
 use crate::selection::decision_rule::{RECORDINGS_GAIN, SEARCHED_TO};
 use crate::selection::excerpt::Excerpt;
-use crate::selection::{Selection, Trial, explains_enough};
+use crate::selection::likelihood::accepts;
+use crate::selection::{Selection, explains_enough};
 
 /// Blocks in the time constant with which a wrong velocity decays. With fewer, a block has more than one reversal; with more, neighbours are no longer
 /// independent and the sensors' noise weighs more.
 const BLOCKS_IN_MEMORY: f64 = 10.0;
-/// Blocks at least in the longest recording: three dozen still tell one model from another.
+/// Blocks at least in the shortest recording: three dozen still tell one model from another.
 const LEAST_BLOCKS: f64 = 36.0;
+/// Ticks at least in a block: at twice the tick two are left.
+const TICKS: f64 = 4.0;
 
 /// Which force the gains say that the base model lacks, once the held-out recordings are opened. `None` where they name none, or nothing is to be asked of
-/// them: free runs explain enough (`selection`), another signal drives the drive, or friction stops the rod within a few rows.
+/// them: free runs explain enough (`selection`) or name what is no force, another signal drives the drive, friction stops the rod within a few rows, or a
+/// recording is too short.
 pub(crate) fn found(
     asked: Asked<'_>,
     selection: &Selection,
@@ -38,14 +42,18 @@ pub(crate) fn found(
     }
     let references: Vec<&Prepared> = trained.iter().collect();
     let base = selection.base.clone();
-    if explains_enough(&asked.of(&references), &base, &selection.chosen, SEARCHED_TO) {
+    let is_force = |effect: &Hypothesis| effect.subsystem == Subsystem::Mechanics;
+    let names_another = selection.chosen.effects.iter().any(|chosen| !is_force(chosen.effect));
+    if names_another || explains_enough(&asked.of(&references), &base, &selection.chosen, SEARCHED_TO) {
         return Ok(None);
     }
     // Impulses tell of forces. A sensor's lag, say, is told by where the rod is.
-    let forces: Vec<&Hypothesis> =
-        asked.hypotheses.iter().copied().filter(|effect| effect.subsystem == Subsystem::Mechanics).collect();
+    // Nor of finer laws: a real guide is rough, and any further value follows a part of that.
+    let is_plain = |effect: &&Hypothesis| is_force(effect) && effect.extends.is_none();
+    let forces: Vec<&Hypothesis> = asked.hypotheses.iter().copied().filter(is_plain).collect();
     let asked = Asked { hypotheses: &forces, ..asked };
-    let Some(blocks) = Blocks::of(&base.fit.machine, trained) else { return Ok(None) };
+    let all = || trained.iter().chain(held);
+    let Some(blocks) = Blocks::of(&base.fit.machine, all()) else { return Ok(None) };
     let Some(mut in_training) = blocks.whitened(trained)? else { return Ok(None) };
     let mut excerpt = match excerpt {
         None => None,
@@ -55,11 +63,11 @@ pub(crate) fn found(
         },
     };
     let mut selection = asked.selected(&mut in_training, excerpt.as_mut(), progress)?;
-    if selection.chosen.effects.is_empty() || !is_plain_enough(&selection) {
+    if selection.chosen.effects.is_empty() {
         return Ok(None);
     }
     // Viscous friction had stood in for what was found; without that a wrong velocity lasts longer.
-    let blocks = Blocks::of(&selection.chosen.fit.machine, trained).unwrap_or(blocks);
+    let blocks = Blocks::of(&selection.chosen.fit.machine, all()).unwrap_or(blocks);
     let (Some(mut in_training), Some(in_held)) = (blocks.whitened(trained)?, blocks.whitened(held)?) else {
         return Ok(None);
     };
@@ -69,6 +77,10 @@ pub(crate) fn found(
     let question = asked.of(&in_training);
     selection.base = selection.base.finished(&question)?;
     selection.chosen = selection.chosen.finished(&question)?;
+    let (before, after) = (&selection.base, &selection.chosen);
+    if !after.is_plausible(&question) || !accepts(&question, before, before, after)? {
+        return Ok(None);
+    }
     let mut decision = decide(&question, &mut selection, &in_held)?;
     let is_told = decision.confirmation.as_ref().is_none_or(|confirmation| confirmation.gain > RECORDINGS_GAIN);
     if decision.findings.is_empty() || !is_told {
@@ -80,25 +92,6 @@ pub(crate) fn found(
     Ok(Some((selection, decision)))
 }
 
-/// Whether none of its effects is a finer law in the place of a plainer one that is likelier and was not accepted: it then stands in for something else.
-fn is_plain_enough(selection: &Selection) -> bool {
-    let chosen = &selection.chosen;
-    let Some(round) = selection.rounds.get(chosen.effects.len() - 1) else { return true };
-    let net = round.iter().find(|trial| trial.is_of(chosen)).map_or(f64::NEG_INFINITY, |trial| trial.net);
-    let is_plainer = |trial: &Trial| {
-        let names = |effects: &mut dyn Iterator<Item = &'static Hypothesis>| {
-            let mut names: Vec<&str> = effects.map(Hypothesis::plainest).collect();
-            names.sort_unstable();
-            names
-        };
-        let of_trial = names(&mut trial.effects.iter().copied());
-        !trial.is_of(chosen)
-            && of_trial == names(&mut chosen.effects.iter().map(|one| one.effect))
-            && trial.effects.iter().all(|own| own.extends.is_none() || chosen.has(own))
-    };
-    !round.iter().any(|trial| is_plainer(trial) && trial.net > net)
-}
-
 /// How recordings are whitened.
 struct Blocks {
     machine: Machine<f64>,
@@ -108,12 +101,16 @@ struct Blocks {
 
 impl Blocks {
     /// By the mass and the friction of a model; `None` where a wrong velocity is gone within two rows.
-    fn of(machine: &Machine<f64>, cases: &[Prepared]) -> Option<Self> {
-        let row_s = cases.iter().map(|case| case.duration_s() / case.rows().max(2) as f64).fold(0.0, f64::max);
-        let longest_s = cases.iter().map(Prepared::duration_s).fold(0.0, f64::max);
+    fn of<'a>(machine: &Machine<f64>, cases: impl Iterator<Item = &'a Prepared>) -> Option<Self> {
+        let (mut row_s, mut tick_s, mut shortest_s) = (0.0_f64, 0.0_f64, f64::INFINITY);
+        for case in cases {
+            row_s = row_s.max(case.duration_s() / case.rows().max(2) as f64);
+            tick_s = tick_s.max(case.stimulus.tick.seconds());
+            shortest_s = shortest_s.min(case.duration_s());
+        }
         let decay_s = machine.get(Parameter::MovingMass) / machine.get(Parameter::ViscousFriction);
-        let memory_s = if decay_s.is_finite() { decay_s.min(longest_s) } else { longest_s };
-        let block_s = (memory_s / BLOCKS_IN_MEMORY).min(longest_s / LEAST_BLOCKS).max(row_s);
+        let memory_s = if decay_s.is_finite() { decay_s.min(shortest_s) } else { shortest_s };
+        let block_s = (memory_s / BLOCKS_IN_MEMORY).min(shortest_s / LEAST_BLOCKS).max(row_s).max(TICKS * tick_s);
         (memory_s > 2.0 * row_s).then_some(Self { machine: *machine, block_s, memory_s })
     }
 

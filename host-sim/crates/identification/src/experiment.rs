@@ -264,7 +264,7 @@ impl Prepared {
             signal: channel.signal,
             recorded: whitening.gains_of(channel.signal, &channel.bridged()),
             tolerance: 1.0,
-            failed: whitening.any(&channel.failed),
+            failed: whitening.spoilt(&channel.failed),
             stretches: Vec::new(),
             ends: Vec::new(),
             noise: channel.own_noise() * whitening.noise_of(channel.signal),

@@ -9,10 +9,9 @@ use recording::seeded_noise::Noise;
 use recording::{Recording, Signal};
 use simulation::sensor_fault::{MEASURED, Mended};
 use simulation::signal::noise::{noise, resolution};
-use simulation::{Run, SimulateError, StartOffset, Stimulus, Trajectory, simulate_f64};
+use simulation::{Run, SimulateError, StartOffset, Stimulus, Trajectory, run_in_lanes, simulate_f64};
 
 use crate::experiment::Prepared;
-use crate::fit::residuals::simulated;
 
 /// Fewest rows that are simulated again, where a recording is short: a single random walk may be anywhere.
 const ROWS_AGAIN: usize = 400_000;
@@ -95,7 +94,9 @@ pub(crate) fn at_most_in_gains(case: &Prepared, machine: &Machine<f64>) -> Resul
     };
     let stimuli: Vec<Stimulus> = [case.stimulus.clone()].into_iter().chain((0..draws).map(disturbed)).collect();
     let run = |stimulus| Run { stimulus, offset: StartOffset::none(), signals: signals(case) };
-    let gained = simulated(machine, &stimuli.iter().map(run).collect::<Vec<_>>(), |_| true)?;
+    let runs: Vec<Run<'_>> = stimuli.iter().map(run).collect();
+    let mut gained = vec![Vec::new(); runs.len()];
+    run_in_lanes(machine, &runs, &mut |run, _, values| gained[run].extend_from_slice(values))?;
     let channels = case.channels.len();
     let Some((quiet, loud)) = gained.split_first() else { return Ok(vec![0.0; channels]) };
     let off_by = |channel: usize, loud: &Vec<f64>| {

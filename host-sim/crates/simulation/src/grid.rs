@@ -88,7 +88,7 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// Whether so few rows were recorded that the fast half of a drive does not show: below 50 Hz.
+/// Whether so few rows were recorded that the fast half of a drive does not show: at 50 Hz or less.
 #[must_use]
 pub fn is_sparse(time_s: &[f64]) -> bool {
     /// A tenth of it, 2 ms, is the coarsest tick of the core.

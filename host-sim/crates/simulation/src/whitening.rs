@@ -5,8 +5,8 @@
 //! *gains* over a block is the impulse that the force lacked in it, and blocks are nearly independent.
 //!
 //! With r the share of a wrong velocity that is left a block later, a velocity y whose means over blocks are ȳ gains ȳₙ − r·ȳₙ₋₁, and a position, which
-//! integrates the velocity, ȳₙ − 2r·ȳₙ₋₁ + r²·ȳₙ₋₂: the residual is *whitened* by the inverse of what made it. Of both the slow part is left, with
-//! (1 − r)^1 or (1 − r)^2 of its size, so that a wrong mean force still counts.
+//! integrates the velocity, ȳₙ − 2r·ȳₙ₋₁ + r²·ȳₙ₋₂: the residual is *whitened* by the inverse of what made it. A constant error stays visible, reduced to
+//! (1 − r) in a velocity and (1 − r)² in a position, so that a wrong mean force still counts.
 
 use recording::Signal;
 
@@ -18,6 +18,8 @@ const BEFORE: usize = 2;
 pub struct Whitening {
     /// Index of the row after each block's last.
     ends: Vec<usize>,
+    /// Of each block, whether it follows the one before without a gap and has at least half of the rows that fit into it.
+    is_whole: Vec<bool>,
     /// What is left of a wrong velocity a block later, 0..1.
     left: f64,
 }
@@ -27,23 +29,31 @@ impl Whitening {
     #[must_use]
     pub fn new(time_s: &[f64], block_s: f64, memory_s: f64) -> Self {
         let first = time_s.first().copied().unwrap_or_default();
-        let mut ends = Vec::new();
-        let mut block = 0.0;
+        let last = time_s.last().copied().unwrap_or_default();
+        let fit = block_s * time_s.len().saturating_sub(1) as f64 / (last - first).max(f64::MIN_POSITIVE);
+        let (mut ends, mut is_whole) = (Vec::new(), Vec::new());
+        let (mut block, mut begins, mut follows) = (0.0, 0, true);
+        let mut end_at = |row: usize, follows: bool, begins: usize| {
+            ends.push(row);
+            is_whole.push(follows && (row - begins) as f64 >= 0.5 * fit);
+        };
         for (row, time) in time_s.iter().enumerate() {
             let of_row = ((time - first) / block_s + 1e-6).floor();
             if of_row > block {
+                end_at(row, follows, begins);
+                (follows, begins) = (of_row < block + 1.5, row);
                 block = of_row;
-                ends.push(row);
             }
         }
-        ends.push(time_s.len());
-        Self { ends, left: (-block_s / memory_s).exp() }
+        end_at(time_s.len(), follows, begins);
+        Self { ends, is_whole, left: (-block_s / memory_s).exp() }
     }
 
-    /// The same where only these rows are left.
-    pub(crate) fn of_kept(&self, kept: &[usize]) -> Self {
-        let ends = self.ends.iter().map(|end| kept.partition_point(|row| row < end)).collect();
-        Self { ends, left: self.left }
+    /// The same where only these rows are left; `None` where a block has none of them.
+    pub(crate) fn of_kept(&self, kept: &[usize]) -> Option<Self> {
+        let ends: Vec<usize> = self.ends.iter().map(|end| kept.partition_point(|row| row < end)).collect();
+        let are_all = ends.first().is_some_and(|first| *first > 0) && ends.windows(2).all(|pair| pair[0] < pair[1]);
+        are_all.then(|| Self { ends, is_whole: self.is_whole.clone(), left: self.left })
     }
 
     /// Number of gains in a recording.
@@ -58,11 +68,12 @@ impl Whitening {
         self.ends.iter().skip(BEFORE).filter_map(|end| rows.get(end.checked_sub(1)?).copied()).collect()
     }
 
-    /// Whether any row is marked that takes part in a gain.
+    /// The gains that say nothing: a marked row takes part, a gap in time, or a block with few rows.
     #[must_use]
-    pub fn any(&self, rows: &[bool]) -> Vec<bool> {
+    pub fn spoilt(&self, rows: &[bool]) -> Vec<bool> {
         let begins = [0].into_iter().chain(self.ends.iter().copied());
-        begins.zip(self.ends.iter().skip(BEFORE)).map(|(from, &to)| rows[from..to].contains(&true)).collect()
+        let gains = begins.zip(self.ends.iter().skip(BEFORE)).zip(self.is_whole.windows(BEFORE + 1));
+        gains.map(|((from, &to), whole)| rows[from..to].contains(&true) || whole.contains(&false)).collect()
     }
 
     /// What a recorded signal gains.
@@ -195,7 +206,7 @@ mod tests {
         let whitening = Whitening::new(&time_s, 0.01, 0.1);
         assert_eq!(whitening.gains(), 8);
         let kept: Vec<usize> = (0..100).step_by(2).collect();
-        let fewer = whitening.of_kept(&kept);
+        let fewer = whitening.of_kept(&kept).unwrap();
         assert_eq!(fewer.gains(), 8);
         let every_second: Vec<f64> = kept.iter().map(|&row| time_s[row]).collect();
         let (all, some) = (whitening.gains_of(Signal::Force, &time_s), fewer.gains_of(Signal::Force, &every_second));
@@ -203,10 +214,19 @@ mod tests {
         // Rows of a failed sensor spoil each gain that they take part in.
         let failed: Vec<bool> = (0..100).map(|row| row == 35).collect();
         assert_eq!(
-            whitening.any(&failed).iter().map(|any| u8::from(*any)).collect::<Vec<_>>(),
+            whitening.spoilt(&failed).iter().map(|any| u8::from(*any)).collect::<Vec<_>>(),
             [0, 1, 1, 1, 0, 0, 0, 0]
         );
         assert_eq!(whitening.at_ends(&time_s)[0].to_bits(), time_s[29].to_bits());
+        // A block of a single row has none left of every second.
+        assert_eq!(Whitening::new(&time_s, 1.2e-3, 0.1).of_kept(&kept), None);
+        // Over a gap nothing is told: of the three gains that it takes part in.
+        let gap: Vec<f64> = time_s.iter().map(|time| if *time < 0.0545 { *time } else { time + 0.5 }).collect();
+        let spoilt = Whitening::new(&gap, 0.01, 0.1).spoilt(&[false; 100]);
+        assert!(
+            spoilt.iter().filter(|spoilt| **spoilt).count() >= 3 && !spoilt[0] && !spoilt[spoilt.len() - 1],
+            "{spoilt:?}"
+        );
     }
 
     #[test]

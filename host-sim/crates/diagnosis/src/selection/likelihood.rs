@@ -61,10 +61,7 @@ fn order(candidate: &Candidate) -> Vec<usize> {
 }
 
 /// Puts a candidate model with the plainer effect before the one with its extension, where the extension does not earn its additional parameters.
-///
-/// What only takes away a part is worth no finer name where a real machine's own roughness is all that is left: of a drive entered at a measured force, an extension has
-/// to take most of what the plainer effect leaves.
-pub(crate) fn prefer_plain(question: &Question<'_>, base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
+pub(crate) fn prefer_plain(base: &Candidate, ranked: &mut Vec<(Candidate, f64)>) {
     let Some((best, best_net)) = ranked.first() else { return };
     let most = misfit_above_noise(&base.residuals);
     let plainer = ranked.iter().position(|(candidate, net)| {
@@ -78,7 +75,7 @@ pub(crate) fn prefer_plain(question: &Question<'_>, base: &Candidate, ranked: &m
         });
         let (left, leaves) = (misfit_above_noise(&candidate.residuals), misfit_above_noise(&best.residuals));
         let earned = best_net - net > EXTENSION_GAINS
-            && ((!question.is_whitened() && left - leaves > EXTENSION_EXPLAINS * most) || is_earned(candidate, best));
+            && (left - leaves > EXTENSION_EXPLAINS * most || is_earned(candidate, best));
         extended && !earned
     });
     if let Some(index) = plainer {
@@ -205,8 +202,12 @@ impl Gained {
     }
 
     /// The same of whitened residuals: what lasts in them beyond a block is what a model lacks, so the better one counts their samples.
+    /// Position and velocity gain by the same force, so both together count once.
     fn of_whitened(before: &Residuals, after: &Residuals, counts: Counts) -> Self {
-        Self::by(before, after, |before, after| counts(if loss(after) < loss(before) { after } else { before }))
+        let channels = before.iter().map(Vec::len).max().unwrap_or(1).max(1) as f64;
+        Self::by(before, after, |before, after| {
+            counts(if loss(after) < loss(before) { after } else { before }) / channels
+        })
     }
 
     fn by(before: &Residuals, after: &Residuals, independent: impl Fn(&[f64], &[f64]) -> f64) -> Self {

@@ -49,7 +49,7 @@ pub(crate) fn ranked_by_misfit(
         return Ok(finished);
     }
     let mut again = ranked_by(question, base, refits, samples_by_blocks);
-    prefer_plain(question, base, &mut again);
+    prefer_plain(base, &mut again);
     for (candidate, _) in &mut again {
         if let Some(as_it_was) = before.iter().find(|one| one.names() == candidate.names() && stays(one)) {
             *candidate = as_it_was.clone();

@@ -148,7 +148,7 @@ pub(crate) fn finished(
     let mut simplified: Vec<Vec<&str>> = Vec::new();
     loop {
         let mut ranked = ranked(question, base, all);
-        prefer_plain(question, base, &mut ranked);
+        prefer_plain(base, &mut ranked);
         if question.has_tolerances() {
             prefer_sensor(&mut ranked);
         }

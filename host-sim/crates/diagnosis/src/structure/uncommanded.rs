@@ -57,7 +57,7 @@ pub struct SupplySag {
     pub by_pa: f64,
 }
 
-/// What a row's command has asked for within the valve's lag before it.
+/// What was asked for by the commands of a row and of the valve's lag before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Asked {
     extends: bool,
@@ -79,7 +79,7 @@ pub(super) fn look(
     supply_pa: &[Option<&[f64]>],
 ) -> (Option<Uncommanded>, Option<SupplySag>) {
     let get = |parameter| machine.get(parameter);
-    let of_valve_s = get(Parameter::TimeConstant1) + get(Parameter::TimeConstant2);
+    let of_valve_s = machine.spool_lag_s();
     let settled_s = get(Parameter::TransportDelay) + SETTLED * of_valve_s + SETTLED * lag_s;
     let stretches: Vec<Vec<Stretch>> =
         shown.iter().map(|shown| stretches(&shown.prepared, machine, settled_s)).collect();

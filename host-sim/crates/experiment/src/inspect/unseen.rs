@@ -1,7 +1,7 @@
 //! What a recording cannot show because its rows are too far apart.
 
 use model_core::machine::{Machine, Parameter, Source};
-use recording::Recording;
+use recording::{Recording, Signal};
 use simulation::is_sparse;
 
 /// What goes unseen between rows.
@@ -29,6 +29,9 @@ impl Unseen {
         let of_valve = |machine: &Machine<f64>| {
             (machine.source == Source::Valve).then(|| machine.spool_lag_s() + machine.get(Parameter::TransportDelay))
         };
+        // Below a measured force neither valve nor oil takes part.
+        let upstream = [Signal::Command, Signal::Spool, Signal::PumpSpeed, Signal::Flow];
+        let machine = machine.filter(|_| upstream.into_iter().any(|signal| recording.has(signal)));
         let valve_s = machine.and_then(of_valve).filter(|lag_s| *lag_s < 2.0 * row_s);
         let oil_column_hz = machine.map(oil_column_hz).filter(|hz| hz.is_finite() && *hz > fastest_hz);
         Some(Self { row_s, fastest_hz, valve_s, oil_column_hz })
@@ -45,25 +48,29 @@ fn oil_column_hz(machine: &Machine<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use recording::{Column, Signal};
+    use recording::Column;
 
     use super::*;
 
-    fn every(row_s: f64) -> Recording {
+    fn every(row_s: f64, driven_by: Signal) -> Recording {
         let time_s: Vec<f64> = (0..200).map(|row| f64::from(row) * row_s).collect();
         let position = time_s.iter().map(|time| 0.1 + 0.01 * time.sin()).collect();
-        Recording::new("made", vec![Column::si(Signal::Time, time_s), Column::si(Signal::Position, position)]).unwrap()
+        let drives = Column::si(driven_by, time_s.clone());
+        Recording::new("made", vec![Column::si(Signal::Time, time_s), drives, Column::si(Signal::Position, position)])
+            .unwrap()
     }
 
     #[test]
     fn rows_that_are_far_apart_hide_what_is_faster() {
         let press = test_press::press(&[]);
-        assert_eq!(Unseen::of(&every(1e-3), Some(&press)), None);
-        let unseen = Unseen::of(&every(0.05), Some(&press)).unwrap();
+        assert_eq!(Unseen::of(&every(1e-3, Signal::Command), Some(&press)), None);
+        let unseen = Unseen::of(&every(0.05, Signal::Command), Some(&press)).unwrap();
         assert!((unseen.fastest_hz - 10.0).abs() < 1e-6);
         assert!(unseen.valve_s.is_some_and(|lag_s| lag_s < 0.1), "{unseen:?}");
         assert!(unseen.oil_column_hz.is_some_and(|hz| (50.0..500.0).contains(&hz)), "{unseen:?}");
-        let alone = Unseen::of(&every(4.0), None).unwrap();
+        let alone = Unseen::of(&every(4.0, Signal::Command), None).unwrap();
         assert_eq!((alone.valve_s, alone.oil_column_hz), (None, None));
+        let of_axis = Unseen::of(&every(0.05, Signal::Force), Some(&press)).unwrap();
+        assert_eq!((of_axis.valve_s, of_axis.oil_column_hz), (None, None));
     }
 }

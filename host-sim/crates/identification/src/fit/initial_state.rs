@@ -70,14 +70,16 @@ pub fn settle(machine: &Machine<f64>, case: &Prepared) -> Result<StartState, Mac
     // A shift of millimetres, where the start is not known or in a play, takes several steps against a loss that large residuals enter linearly.
     let start_sigma_m = case.start_sigma_on(machine);
     let has_play = start_sigma_m > case.start_sigma_m;
-    let rounds = match (case.unsettled > 0 || has_play, needs_level(case)) {
+    // What a shift changes of a gain is not the shift itself.
+    let by_difference = has_play || case.stimulus.is_whitened();
+    let rounds = match (case.unsettled > 0 || has_play, needs_level(case) || by_difference) {
         (true, _) => 12,
         (false, true) => 4,
         (false, false) => 1,
     };
     for _ in 0..rounds {
         let raised = needs_level(case).then_some(StartState { level: state.level + STEP, ..state });
-        let shifted = has_play.then_some(StartState { shift: state.shift + STEP, ..state });
+        let shifted = by_difference.then_some(StartState { shift: state.shift + STEP, ..state });
         let starts = [Some(state), raised, shifted].into_iter().flatten();
         let mut runs = standardised_all(machine, starts.map(|start| (case, start)))?.into_iter();
         let here = runs.next().unwrap_or_default();

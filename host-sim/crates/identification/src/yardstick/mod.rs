@@ -190,7 +190,8 @@ fn yardstick(signal: Signal, training: &[&Prepared], held_out: &[&Prepared]) -> 
     let of = |case: &&Prepared| {
         // A short recording beside long ones keeps some rows.
         let every = every.min(case.rows() / FEWEST_ROWS).max(1);
-        Record::of(case, signal, every).filter(|record| record.rows.len() >= FEWEST_ROWS && record.duration_s() > 0.0)
+        Record::of(case, signal, every)
+            .filter(|record| record.judged_rows() >= FEWEST_ROWS && record.varies() && record.duration_s() > 0.0)
     };
     let records: Vec<Option<Record>> = training.iter().chain(held_out).map(of).collect();
     let trained: Vec<Record> = records.iter().take(training.len()).flatten().cloned().collect();

@@ -47,6 +47,21 @@ impl Record {
         self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
     }
 
+    /// How many of the chosen rows are judged.
+    pub(super) fn judged_rows(&self) -> usize {
+        self.judged().count()
+    }
+
+    /// Whether what was recorded in them varies.
+    pub(super) fn varies(&self) -> bool {
+        let mut judged = self.judged();
+        judged.next().is_some_and(|first| judged.any(|value| value.to_bits() != first.to_bits()))
+    }
+
+    fn judged(&self) -> impl Iterator<Item = f64> + '_ {
+        self.recorded.iter().zip(&self.weight).filter(|(_, weight)| **weight > 0.0).map(|(value, _)| *value)
+    }
+
     /// The means of an input between the chosen rows, this much earlier.
     fn means(&self, input: &RunningSum, delay_s: f64) -> Vec<f64> {
         let at = |time_s: f64| (time_s - delay_s) / self.tick_s;

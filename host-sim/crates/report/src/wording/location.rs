@@ -59,6 +59,7 @@ pub fn error_shape(shape: &Shape) -> String {
                 let range = if from == to { format!("at {from}") } else { format!("from {from} to {to}") };
                 format!(" and is largest {range} {unit}")
             });
+            let pair = pair.filter(|(_, _, share)| shows_share(*share));
             let together = pair.map_or_else(String::new, |(one, other, share)| {
                 format!("; {one} and {other} together explain {} %", significant(100.0 * share, 2))
             });

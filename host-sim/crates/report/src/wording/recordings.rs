@@ -14,17 +14,17 @@ pub fn unseen(unseen: &Unseen) -> String {
     let (rate, fastest) = (significant(1.0 / unseen.row_s, 3), significant(unseen.fastest_hz, 3));
     let row = significant(1e3 * unseen.row_s, 3);
     let by_file = [
-        unseen.valve_s.map(|lag_s| format!("the valve's delay and lags ({} ms together)", significant(1e3 * lag_s, 2))),
-        unseen.oil_column_hz.map(|hz| format!("the oil column at {} Hz", significant(hz, 2))),
+        unseen.valve_s.map(|lag_s| format!("the valve's delay and lags, {} ms together", significant(1e3 * lag_s, 2))),
+        unseen.oil_column_hz.map(|hz| format!("the oil column's {} Hz", significant(hz, 2))),
     ];
     let by_file: Vec<String> = by_file.into_iter().flatten().collect();
     let by_file = if by_file.is_empty() {
         String::new()
     } else {
-        format!("; by the machine file not {}", by_file.join(", nor "))
+        format!("; these rows cannot show {}, as the machine file has it", by_file.join(" nor "))
     };
     format!(
-        "at {rate} Hz nothing faster than {fastest} Hz shows: no lag below {row} ms, no jump of the spool, no stick-slip or ringing beyond that{by_file}"
+        "at {rate} Hz nothing faster than {fastest} Hz shows: no lag below {row} ms, no jump of the spool, no stick-slip or ringing faster than that{by_file}"
     )
 }
 

@@ -74,13 +74,13 @@ pub fn shown(diagnosis: &Diagnosis, shows: &Shows) -> String {
 fn better(diagnosis: &Diagnosis, measured: &Measured) -> String {
     let signal = measured.yardstick.signal;
     let held_out = measured.held_out_percent.is_some();
-    let of_machine = diagnosis.mean_fits(held_out, true).get(signal.name()).copied().unwrap_or(f64::NAN);
+    let of_machine = diagnosis.mean_fits(held_out, true).get(signal.name()).copied();
+    let against = of_machine.map_or_else(String::new, |fit| format!(" against {} %", percent(fit)));
     let linear = measured.held_out_percent.unwrap_or(measured.training_percent);
     let which = if held_out { "held-out" } else { "training" };
     format!(
-        "a linear model of second order follows {signal} better than the machine's model does: {} % against {} % of the {which} recordings",
-        percent(linear),
-        percent(of_machine)
+        "a linear model of second order follows {signal} better than the machine's model does: {} %{against} of the {which} recordings",
+        percent(linear)
     )
 }
 

@@ -14,7 +14,7 @@ pub struct Coarser {
 }
 
 impl Stimulus {
-    /// The same on a grid of twice the tick; `None` where the core has no such tick.
+    /// The same on a grid of twice the tick; `None` where the core has no such tick, or a block of a whitened one would have no row.
     ///
     /// A value that is held over a tick becomes the mean of two: on average nothing is delayed, and what changes sign at every tick disappears.
     #[must_use]
@@ -41,6 +41,10 @@ impl Stimulus {
                 kept.push(row);
             }
         }
+        let whitening = match &self.whitening {
+            None => None,
+            Some(whitening) => Some(whitening.of_kept(&kept)?),
+        };
         let points = |values: &Option<Vec<f64>>| values.as_deref().map(every_second);
         let stimulus = Self {
             input_point: self.input_point,
@@ -54,7 +58,7 @@ impl Stimulus {
             oil_c: points(&self.oil_c),
             damping: self.damping,
             rows,
-            whitening: self.whitening.as_ref().map(|whitening| whitening.of_kept(&kept)),
+            whitening,
         };
         Some(Coarser { stimulus, kept })
     }

@@ -6,7 +6,7 @@ use model_core::machine::Parameter;
 use recording::Signal;
 
 use super::refit::{Beginning, Goes};
-use super::{Candidate, Chosen, Question, effect_parameters};
+use super::{Candidate, Chosen, EffectParameter, Question, effect_parameters};
 use crate::catalogue::{Form, Subsystem};
 
 /// A refit at twice the tick may lose this many times what it loses once it is refitted to the end.
@@ -36,11 +36,15 @@ impl Candidate {
         const BY: [f64; 4] = [0.6, 0.85, 1.18, 1.7];
         /// Falls of the loss below this share are not another end.
         const LESS: f64 = 1e-3;
+        /// Rounds of it.
+        const MOST: usize = 3;
+        let rounds = if question.is_whitened() && !self.effects.is_empty() { MOST } else { 0 };
         let mut best = self;
-        while question.is_whitened() && !best.effects.is_empty() {
-            let amounts: Vec<Parameter> = effect_parameters(&best.effects).iter().map(|one| one.parameter).collect();
+        for _ in 0..rounds {
+            let amounts = effect_parameters(&best.effects).into_iter().filter(EffectParameter::is_amount);
+            let amounts: Vec<Parameter> = amounts.map(|one| one.parameter).collect();
             let from = |by: &f64| {
-                // Dry and viscous friction together brake as much as before.
+                // Where it is a dry friction, that and the viscous one brake as much together as before.
                 let less = (Parameter::ViscousFriction, best.fit.machine.get(Parameter::ViscousFriction) / by);
                 let values = amounts.iter().map(|&one| (one, by * best.fit.machine.get(one))).chain([less]);
                 best.again_from(question, &values.collect::<Vec<_>>())
