@@ -5,9 +5,36 @@ use identification::parallel;
 use identification::experiment::Prepared;
 use identification::fit::{Fit, StartState, settle};
 use model_core::machine::{Machine, MachineError};
-use simulation::simulate_f64;
+use simulation::figures_of_merit::SignalFit;
+use simulation::{Trajectory, simulate_f64};
 
-use crate::outcome::Shown;
+/// Signals of one recording: recorded, and simulated before and after.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// The recording, prepared.
+    pub prepared: Prepared,
+    /// Whether it was held out.
+    pub held_out: bool,
+    /// Simulated with refitted base parameters.
+    pub before: Trajectory,
+    /// Simulated with the effects as well; the same as before if nothing is accepted.
+    pub after: Trajectory,
+}
+
+impl Shown {
+    /// Fit of each judged signal before or after, without the rows where its sensor failed.
+    pub fn fits(&self, after: bool) -> impl Iterator<Item = SignalFit> + '_ {
+        let trajectory = if after { &self.after } else { &self.before };
+        self.prepared.channels.iter().filter_map(move |channel| {
+            let simulated = trajectory.signal(channel.signal)?;
+            let kept = |series: &[f64]| -> Vec<f64> {
+                series.iter().zip(&channel.failed).filter(|(_, failed)| !**failed).map(|(value, _)| *value).collect()
+            };
+            let (time_s, recorded) = (kept(&self.prepared.time_s), kept(&channel.recorded));
+            Some(SignalFit::of(channel.signal, &time_s, &recorded, &kept(simulated)))
+        })
+    }
+}
 
 /// All recordings, simulated by the models before and after from the fitted initial states; held-out recordings have no fitted state. `plain` are the
 /// same recordings without the force from outside that only the model after has as an input; empty where there is none.

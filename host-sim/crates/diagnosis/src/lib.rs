@@ -29,8 +29,9 @@ pub mod structure;
 #[cfg(test)]
 mod test_scene;
 
+pub use before_after::Shown;
 pub use diagnose::{DiagnoseError, Progress, base_parameters, diagnose, diagnose_since, steps};
 pub use finding::Finding;
-pub use outcome::{Diagnosis, Fits, Shown, Verdict};
+pub use outcome::{Diagnosis, Fits, Verdict};
 pub use pressure_zero::read_absolute;
 pub use since::OtherOil;

@@ -2,14 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use identification::experiment::Prepared;
 use identification::fit::{Correlation, Estimate, Free, Unsettled};
 use model_core::machine::Machine;
 use recording::Signal;
-use simulation::Trajectory;
-use simulation::figures_of_merit::SignalFit;
 
 use crate::agreement::{Doubt, FarValue, Tolerated, far_values, has_sensor, not_tolerated, tolerated};
+use crate::before_after::Shown;
 use crate::catalogue::Hypothesis;
 use crate::correction_table::Unnamed;
 use crate::finding::Finding;
@@ -93,36 +91,8 @@ pub struct Diagnosis {
     pub not_testable: Vec<&'static Hypothesis>,
 }
 
-/// Signals of one recording: recorded, and simulated before and after.
-#[derive(Clone, Debug)]
-pub struct Shown {
-    /// The recording, prepared.
-    pub prepared: Prepared,
-    /// Whether it was held out.
-    pub held_out: bool,
-    /// Simulated with refitted base parameters.
-    pub before: Trajectory,
-    /// Simulated with the effects as well; the same as before if nothing is accepted.
-    pub after: Trajectory,
-}
-
 /// Mean NRMSE fit of each signal over recordings, %.
 pub type Fits = BTreeMap<&'static str, f64>;
-
-impl Shown {
-    /// Fit of each judged signal before or after, without the rows where its sensor failed.
-    pub fn fits(&self, after: bool) -> impl Iterator<Item = SignalFit> + '_ {
-        let trajectory = if after { &self.after } else { &self.before };
-        self.prepared.channels.iter().filter_map(move |channel| {
-            let simulated = trajectory.signal(channel.signal)?;
-            let kept = |series: &[f64]| -> Vec<f64> {
-                series.iter().zip(&channel.failed).filter(|(_, failed)| !**failed).map(|(value, _)| *value).collect()
-            };
-            let (time_s, recorded) = (kept(&self.prepared.time_s), kept(&channel.recorded));
-            Some(SignalFit::of(channel.signal, &time_s, &recorded, &kept(simulated)))
-        })
-    }
-}
 
 impl Diagnosis {
     /// Mean NRMSE fit of each signal, before or after, on training or held-out recordings.

@@ -5,8 +5,9 @@ use identification::fit::{Estimate, Free, Freedom};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter};
 
+use crate::before_after::Shown;
 use crate::catalogue::{AMOUNT_KNOWN, CATALOGUE, EffectParameter, Hypothesis, covered_by, tolerance};
-use crate::outcome::{Diagnosis, Shown};
+use crate::outcome::Diagnosis;
 
 /// The effects that a machine file holds, beyond what is a tolerance by its `sheet` of base parameters.
 pub(crate) fn held(file: &MachineFile, sheet: &[Free]) -> Vec<&'static Hypothesis> {

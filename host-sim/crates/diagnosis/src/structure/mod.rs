@@ -10,7 +10,7 @@ use model_core::machine::Machine;
 use recording::Signal;
 use simulation::InputPoint;
 
-use crate::outcome::Shown;
+use crate::before_after::Shown;
 use crate::selection::decision_rule::{BEYOND_PENALTY, LEAST_EXPLAINED};
 
 pub use uncommanded::{SupplySag, Uncommanded};

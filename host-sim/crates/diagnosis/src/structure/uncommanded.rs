@@ -8,7 +8,7 @@ use model_core::machine::{Machine, Parameter};
 use recording::Signal;
 use simulation::signal::noise::{noise, resolution};
 
-use crate::outcome::Shown;
+use crate::before_after::Shown;
 
 /// Share of all the way of the rod that has to be made without a command: more than any leak or drift makes of a drive that is moved by its valve.
 const OF_ALL_WAY: f64 = 0.2;
