@@ -11,7 +11,7 @@ use model_core::machine::Tick;
 use recording::{ChannelMap, Column, Format, PressureZero, Recording, Signal};
 use report::evidence::Exhibits;
 use report::{html, json, terminal, wording};
-use simulation::{InputPoint, first_input_point};
+use simulation::is_driven_by_pressures;
 
 use super::console::{Console, Progress, Tone};
 use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE};
@@ -167,10 +167,7 @@ fn is_absolute(
 /// What was noted as the recordings were read, and doubts about their units, unless what they show has another reason: it follows what drives it.
 fn note_recordings(job: &Job, recordings: &[&Recording], console: &Console<'_>) -> Result<(), CliError> {
     recordings.iter().copied().flat_map(input::own_notes).for_each(|note| console.note(note));
-    let source = job.file.machine.source;
-    let by_pressures = |recording: &&&Recording| {
-        first_input_point(source, recording) == Ok(InputPoint::Force) && !recording.has(Signal::Force)
-    };
+    let by_pressures = |recording: &&&Recording| is_driven_by_pressures(job.file.machine.source, recording);
     if let Some(recording) = recordings.iter().find(by_pressures) {
         console.note(format_args!(
             "{}: neither command, spool, flow nor force is recorded: pa·Aa − pb·Ab drives the model as the force on the rod",

@@ -15,7 +15,7 @@ use model_core::machine::{Machine, MachineError, Parameter, Tick};
 use recording::{Recording, Signal};
 use simulation::sensor_fault::Failures;
 use simulation::signal::noise::extent;
-use simulation::{InputPoint, simulate_f64};
+use simulation::{is_driven_by_pressures, simulate_f64};
 
 use crate::agreement::far_values;
 use crate::asked::{Asked, Beside};
@@ -133,7 +133,7 @@ fn diagnosed(
     let first = trained.first().ok_or(DiagnoseError::NoTraining)?;
     check_entries(&trained, &held)?;
 
-    let sheet = with_zero_of_force(base_parameters(file), file, training, &trained);
+    let sheet = with_zero_of_force(base_parameters(file), file, training);
     let on = self::held(file, &sheet);
     let moves = Moves::of(file, &sheet, asks_since.then_some(on.as_slice()), &trained);
     let valve = SettledValve::of(&file.machine, &moves.free, &moves.changeable, &trained)?;
@@ -463,19 +463,11 @@ pub fn base_parameters(file: &MachineFile) -> Vec<Free> {
 
 /// The base parameters, and what the zeros of two pressure sensors make of a force that is computed from both: a bar on the larger area. It moves the rod as a
 /// constant load does.
-fn with_zero_of_force(
-    mut free: Vec<Free>,
-    file: &MachineFile,
-    recordings: &[Recording],
-    prepared: &[Prepared],
-) -> Vec<Free> {
+fn with_zero_of_force(mut free: Vec<Free>, file: &MachineFile, recordings: &[Recording]) -> Vec<Free> {
     /// 0.3 % of 250 bar, and what warms up.
     const ZERO_PA: f64 = 1e5;
-    let from_pressures = |(recording, case): (&Recording, &Prepared)| {
-        case.stimulus.input_point == InputPoint::Force && !recording.has(Signal::Force)
-    };
     let is_free = free.iter().any(|free| free.parameter == Parameter::LoadForce);
-    if !is_free && recordings.iter().zip(prepared).any(from_pressures) {
+    if !is_free && recordings.iter().any(|recording| is_driven_by_pressures(file.machine.source, recording)) {
         let area = file.machine.get(Parameter::AreaA).max(file.machine.get(Parameter::AreaB));
         free.push(Free::around(Parameter::LoadForce, file.machine.get(Parameter::LoadForce), ZERO_PA * area));
     }

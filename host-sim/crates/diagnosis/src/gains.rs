@@ -47,8 +47,8 @@ pub(crate) fn found(
     if names_another || explains_enough(&asked.of(&references), &base, &selection.chosen, SEARCHED_TO) {
         return Ok(None);
     }
-    // Impulses tell of forces. A sensor's lag, say, is told by where the rod is.
-    // Nor of finer laws: a real guide is rough, and any further value follows a part of that.
+    // Gains tell of forces: a sensor's lag, say, is told by where the rod is. They do not tell of finer laws of friction: a real guide is rough, and any further
+    // value follows a part of that.
     let is_plain = |effect: &&Hypothesis| is_force(effect) && effect.extends.is_none();
     let forces: Vec<&Hypothesis> = asked.hypotheses.iter().copied().filter(is_plain).collect();
     let asked = Asked { hypotheses: &forces, ..asked };

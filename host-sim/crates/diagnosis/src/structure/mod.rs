@@ -5,6 +5,7 @@
 
 mod uncommanded;
 
+use identification::fit::loss;
 use identification::yardstick::{Linear, Shape, Yardstick};
 use model_core::machine::Machine;
 use recording::Signal;
@@ -170,11 +171,7 @@ fn takes_half(pairs: &Pairs) -> bool {
 }
 
 fn squares(pairs: &Pairs) -> (f64, f64) {
-    pairs.iter().fold((0.0, 0.0), |(one, other), pair| (one + square(&pair.0), other + square(&pair.1)))
-}
-
-fn square(missed: &[f64]) -> f64 {
-    missed.iter().map(|missed| missed * missed).sum()
+    pairs.iter().fold((0.0, 0.0), |(one, other), pair| (one + loss(&pair.0), other + loss(&pair.1)))
 }
 
 /// Log-likelihood that the other model gains: half the logarithm of the ratio of mean squares, for each independent square.
@@ -187,7 +184,7 @@ fn log_likelihood(pairs: &Pairs) -> f64 {
 /// How many independent ones a mean square of a series is worth: squares of a series whose neighbours are correlated by r are correlated by r².
 fn independent_squares(series: &[f64]) -> f64 {
     let lagged: f64 = series.windows(2).map(|pair| pair[0] * pair[1]).sum();
-    let square = square(series);
+    let square = loss(series);
     let count = series.len() as f64;
     let r = if square > 0.0 { (lagged / square).clamp(0.0, 1.0) } else { 0.0 };
     (count * (1.0 - r * r) / (1.0 + r * r)).max(1.0)

@@ -95,6 +95,12 @@ pub fn first_input_point(source: Source, recording: &Recording) -> Result<InputP
     found.ok_or_else(|| SimulateError::NoInput { recording: recording.name().to_owned(), expected })
 }
 
+/// Whether both chamber pressures are the force that drives the model, since nothing else that could drive it is recorded.
+#[must_use]
+pub fn is_driven_by_pressures(source: Source, recording: &Recording) -> bool {
+    first_input_point(source, recording) == Ok(InputPoint::Force) && !recording.has(Signal::Force)
+}
+
 /// The tick that suits a recording: 1 ms, or 0.5 ms where it is sampled faster than 1 kHz.
 #[must_use]
 pub fn natural_tick(recording: &Recording) -> Tick {
