@@ -158,14 +158,14 @@ pub(crate) fn valve_case_as(
 ) -> Case {
     let load =
         |index: usize| push.filter(|(at, _)| *at == index).map_or_else(LoadProfile::none, |(_, load)| load.clone());
-    valve_case_loaded(tick_s, seed, effect, load, recorded)
+    valve_case_loaded(tick_s, seed, effect.as_slice(), load, recorded)
 }
 
-/// The same with a load in each recording.
+/// The same with several effects and a load in each recording.
 pub(crate) fn valve_case_loaded(
     tick_s: f64,
     seed: u64,
-    effect: Option<PlantEffect>,
+    effects: &[PlantEffect],
     load: impl Fn(usize) -> LoadProfile,
     recorded: impl Fn(SyntheticRecording, &str) -> Recording,
 ) -> Case {
@@ -189,7 +189,7 @@ pub(crate) fn valve_case_loaded(
         ("holdout-2.csv", sweep(5.0)),
     ];
     let record = |(index, (name, excitation)): (usize, &(&str, Excitation))| {
-        let plant = Plant::new(&truth, 1e-7).unwrap().with_effects(effect.as_slice());
+        let plant = Plant::new(&truth, 1e-7).unwrap().with_effects(effects);
         let plant = plant.with_load(load(index));
         let mut sensors = Sensors::with_position(&truth, PositionSensor::Linear { resolution_m: 2.5e-5 });
         sensors.spool.noise_std = 5e-4;

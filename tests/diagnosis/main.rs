@@ -25,6 +25,7 @@ mod real_statics;
 mod real_tank;
 mod real_valve;
 mod recover;
+mod shared_supply;
 mod shipped;
 mod start;
 mod strengths;

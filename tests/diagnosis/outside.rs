@@ -9,7 +9,7 @@ use super::once::push;
 
 /// With a load in each recording, position and pressures recorded.
 fn loaded(seed: u64, load: impl Fn(usize) -> LoadProfile) -> Case {
-    valve_case_loaded(2e-3, seed, None, load, |made, name| made.rounded().to_recording(name).unwrap())
+    valve_case_loaded(2e-3, seed, &[], load, |made, name| made.rounded().to_recording(name).unwrap())
 }
 
 /// No effect is named, and this cause is.

@@ -140,7 +140,7 @@ fn flow(effect: FlowEffect, drawn: &Drawn, found: &Machine<f64>) -> Vec<Measured
             let found = |opening: f64| opening * (1.0 + linear * opening) + beyond * (opening - notch).max(0.0);
             of("curvature of the gain", curvature(&|opening| curve.shaped(opening)), curvature(&found))
         }
-        FlowEffect::PumpRipple { .. } => Vec::new(),
+        FlowEffect::PumpRipple { .. } | FlowEffect::OtherConsumer { .. } => Vec::new(),
     }
 }
 

@@ -23,7 +23,7 @@ to test the others, and whether valve and rod were moved. With a machine file al
 A column is known by its name with a unit, such as `position [mm]`. One that is called otherwise is mapped, here by
 --map \"position=Kolbenweg [mm]\", for all recordings of a drive in the machine file by a line `position = \"Kolbenweg [mm]\"` in
 [channels]. Names: time command spool flow pump_speed valve_direction pressure_a pressure_b supply_pressure tank_pressure
-load_force force position velocity angle oil_temperature reference")]
+other_flow other_flow_2 other_flow_3 load_force force position velocity angle oil_temperature reference")]
 pub struct Arguments {
     /// Recordings (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
     #[arg(value_name = "R.csv", required = true)]

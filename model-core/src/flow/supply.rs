@@ -1,9 +1,10 @@
 //! The supply: a pressure that falls with the flow drawn from it, delayed by an accumulator (`supply-droop`).
 //!
-//! τ·dps/dt = p0 − R·Qs − ps, with Qs the flow from the supply into both ports (below 0 where a chamber pushes back). τ = R·C:
-//! a pump of source resistance R beside an accumulator of capacity C (Merritt, *Hydraulic Control Systems*, 1967, ch. 11).
+//! τ·dps/dt = p0 − R·(Qs + Qo) − ps, with Qs the flow from the supply into both ports (below 0 where a chamber pushes back) and Qo what other
+//! consumers take from the same supply, an input. τ = R·C: a pump of source resistance R beside an accumulator of capacity C (Merritt,
+//! *Hydraulic Control Systems*, 1967, ch. 11).
 //!
-//! Over a tick in which Qs changes linearly from Q0 to Q1 the solution is exact:
+//! Over a tick in which the whole flow changes linearly from Q0 to Q1 the solution is exact:
 //!
 //! ```text
 //! ps' = ps + (1 − e)·(p0 − ps) − R·(w0·Q0 + w1·Q1),   e = e^(−h/τ),  w1 = 1 − (1 − e)·τ/h,  w0 = 1 − e − w1
@@ -25,12 +26,15 @@ pub struct SupplyState<N> {
     pub pressure: N,
     /// Its rounding remainder.
     rest: N,
+    /// Flow that other consumers take from the same supply, per unit of [`Bases::flow_m3_per_s`](crate::machine::Bases::flow_m3_per_s): an
+    /// input. If it is known, set it before a tick, over which it is held. Without `supply-droop` it acts on nothing.
+    pub other_flow: N,
 }
 
 impl<N: Number> SupplyState<N> {
     /// No flow has been drawn for a long time.
     pub(crate) fn at_rest(pressure: N) -> Self {
-        Self { pressure, rest: N::ZERO }
+        Self { pressure, rest: N::ZERO, other_flow: N::ZERO }
     }
 }
 
@@ -58,7 +62,7 @@ pub(crate) struct Droop<N: Number> {
 }
 
 impl<N: Number> Droop<N> {
-    /// The supply a tick later, computed in this many rounds: `drawn` is the flow at its start; `draw` gives the flow at its end for a supply
+    /// The supply a tick later, computed in this many rounds: `drawn` is the drive's own flow at its start; `draw` gives it at its end for a supply
     /// pressure there.
     #[inline]
     pub(crate) fn after<const ROUNDS: usize>(
@@ -69,15 +73,16 @@ impl<N: Number> Droop<N> {
         slope_scale: N::Steep,
         draw: impl Fn(N) -> Draw<N>,
     ) -> SupplyState<N> {
+        let others = supply.other_flow;
         // Change of the pressure, at the fineness of the shares.
         let mut moved = N::ZERO;
         for _ in 0..ROUNDS {
             let at_end = draw(supply.pressure + N::dot([self.fine], [moved]));
-            let wanted = N::dot(self.shares, [unloaded - supply.pressure, drawn, at_end.flow]);
+            let wanted = N::dot(self.shares, [unloaded - supply.pressure, drawn + others, at_end.flow + others]);
             moved = moved + (wanted - moved).times(self.gives(at_end.steepness, slope_scale));
         }
         let (pressure, rest) = supply.pressure.accumulated(supply.rest, [self.fine], [moved]);
-        SupplyState { pressure, rest }
+        SupplyState { pressure, rest, ..supply }
     }
 
     /// 1/(1 + R·w1·∂Q/∂ps)
@@ -157,6 +162,27 @@ mod tests {
         let fall = 1e10 * drive.bases().flow_m3_per_s / 7e6;
         let exact = 1.0 - fall * (1.0 - libm::exp(-1.0));
         assert!((supply.pressure.to_f64() - exact).abs() < 1e-8, "{} {exact}", supply.pressure.to_f64());
+    }
+
+    #[test]
+    fn what_others_take_brings_the_supply_down_as_the_drive_s_own_flow_does() {
+        fn alone<N: Scalar<Real = f64>>(resistance: f64) -> f64 {
+            let machine = machine(0.02).with(&[(P::DroopResistance, resistance)]);
+            let drive = Drive::<N>::new::<64>(&machine, Tick::OneMillisecond).unwrap();
+            let mut state: DriveState<N> =
+                drive.at_rest(N::ZERO, ChamberState { a: N::saturated(0.4), b: N::saturated(0.6) }, N::travel(0.5));
+            state.supply.other_flow = N::saturated(1e-4 / drive.bases().flow_m3_per_s);
+            for _ in 0..1000 {
+                drive.step(&mut state, DriveInput::Command(N::ZERO), Load::NONE);
+            }
+            state.supply.pressure.to_f64() * drive.bases().pressure_pa
+        }
+        for fallen_pa in [alone::<f64>(1e10), alone::<PerUnit>(1e10)] {
+            assert!((fallen_pa - 6e6).abs() < 20.0, "{fallen_pa}");
+        }
+        for stiff_pa in [alone::<f64>(0.0), alone::<PerUnit>(0.0)] {
+            assert!((stiff_pa - 7e6).abs() < 1.0, "{stiff_pa}");
+        }
     }
 
     #[test]

@@ -13,7 +13,9 @@ use crate::reader::{NUMBER, Reader};
 
 /// The key of the zero of all pressure sensors.
 pub(crate) const PRESSURE: &str = "pressure";
-const KEYS: [&str; 3] = ["column", "zero", "full"];
+/// The last is one of another consumer of the supply that is known by its command: what it takes at the full reading.
+const KEYS: [&str; 4] = ["column", "zero", "full", FULL_FLOW];
+const FULL_FLOW: &str = "full_flow_m3_per_s";
 
 impl Reader<'_> {
     /// Reads the table: a header in quotation marks, or a table of `column`, `zero` and `full`, for each signal.
@@ -60,7 +62,7 @@ impl Reader<'_> {
         Ok(header.to_owned())
     }
 
-    /// `{ column = "spool_sensor [V]", zero = 5.0, full = 5.0 }`.
+    /// `{ column = "spool_sensor [V]", zero = 5.0, full = 5.0 }`; of another consumer `{ column = "stick [V]", full = 10.0, full_flow_m3_per_s = 3e-4 }`.
     fn sensor(
         &self,
         signal: Signal,
@@ -68,9 +70,11 @@ impl Reader<'_> {
         sensor: &dyn TableLike,
         place: recording::files::source_error::Place,
     ) -> Result<Mapping, MachineFileError> {
-        if let Some((key, _)) = sensor.iter().find(|(key, _)| !KEYS.contains(key)) {
-            let (place, nearest) = (self.key_place(sensor, key), keys::nearest(key, KEYS));
-            let (table, key, known) = (name.to_owned(), key.to_owned(), KEYS.map(str::to_owned).into());
+        let known = if Signal::OTHER_FLOWS.contains(&signal) { &KEYS[..] } else { &KEYS[..3] };
+        if let Some((key, _)) = sensor.iter().find(|(key, _)| !known.contains(key)) {
+            let (place, nearest) = (self.key_place(sensor, key), keys::nearest(key, known.iter().copied()));
+            let known = known.iter().map(|&key| key.to_owned()).collect();
+            let (table, key) = (name.to_owned(), key.to_owned());
             return Err(MachineFileError::UnknownKey { place, table, key, nearest, known });
         }
         let Some(column) = sensor.get("column") else {
@@ -79,11 +83,15 @@ impl Reader<'_> {
         };
         let header = self.header(signal, &format!("{name}.column"), column)?;
         let zero = self.reading(sensor, name, "zero", 0.0)?;
-        let full = self.reading(sensor, name, "full", 1.0)?;
-        if full == 0.0 {
-            let place = self.place(sensor.get("full").and_then(Item::span));
-            return Err(MachineFileError::NoSpan { place, key: format!("{name}.full") });
-        }
+        let spans = |key: &str| {
+            let span = self.reading(sensor, name, key, 1.0)?;
+            if span == 0.0 {
+                let place = self.place(sensor.get(key).and_then(Item::span));
+                return Err(MachineFileError::NoSpan { place, key: format!("{name}.{key}") });
+            }
+            Ok(span)
+        };
+        let full = spans("full")? / spans(FULL_FLOW)?;
         Ok(Mapping { header, required: false, scale: Some(Scale { zero, full }) })
     }
 

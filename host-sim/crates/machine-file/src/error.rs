@@ -149,7 +149,7 @@ impl Explained for MachineFileError {
             E::UnknownChoice { choices, .. } => (*choices).to_owned(),
             E::UnknownSignal { nearest, .. } => format!("the name of a signal, perhaps `{nearest}`"),
             E::EmptyHeader { .. } => "the header of a column, such as \"Kolbenweg [mm]\"".into(),
-            E::NoSpan { .. } => "by how much the reading rises when the signal rises by one SI unit".into(),
+            E::NoSpan { .. } => "a number that is not 0: by how much the reading rises when the signal rises by one SI unit, or the flow at the full reading".into(),
         }
     }
 }

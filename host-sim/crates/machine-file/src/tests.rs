@@ -283,6 +283,24 @@ fn a_sensor_that_reads_volts_has_its_zero_and_full_reading_beside_its_column() {
 }
 
 #[test]
+fn another_consumer_is_known_by_its_flow_or_by_its_command() {
+    let channels = "\n[channels]\nother_flow = \"Q2 [l/min]\"\n\
+        other_flow_2 = { column = \"Stick [V]\", zero = 5, full = 2.5, full_flow_m3_per_s = 5e-4 }\n";
+    let file = parse(&format!("{VALVE}{channels}")).unwrap();
+    assert_eq!(file.channels.get(Signal::OtherFlow).unwrap().scale, None);
+    let Some(Scale { zero, full }) = file.channels.get(Signal::OtherFlow2).unwrap().scale else { panic!() };
+    assert_eq!((zero, (7.5 - zero) / full), (5.0, 5e-4));
+    let mut made = MachineFile::from_machine("made", file.machine);
+    made.channels = file.channels.clone();
+    assert_eq!(parse(&made.to_text("made.toml").unwrap()).unwrap().channels, file.channels);
+    let other = |key: &str, value: &str| {
+        refused("supply", &format!("[channels]\n{key} = {{ column = \"x\", full_flow_m3_per_s = {value} }}"), 6)
+    };
+    assert_error!(other("other_flow", "0"), MachineFileError::NoSpan { .. });
+    assert_error!(other("flow", "1e-4"), MachineFileError::UnknownKey { .. });
+}
+
+#[test]
 fn a_sensor_that_says_too_little_or_too_much_is_refused() {
     let spool = |sensor: &str| refused("supply", &format!("[channels]\nspool = {sensor}"), 6);
     assert_error!(spool("{ column = \"s [V]\", zero = 5, ful = 5 }"), MachineFileError::UnknownKey { .. });

@@ -40,6 +40,9 @@ signals! {
     PressureB "pressure_b" [Pressure] "Pressure in chamber B, Pa; it retracts.";
     SupplyPressure "supply_pressure" [Pressure] "Supply pressure at the valve, Pa.";
     TankPressure "tank_pressure" [Pressure] "Pressure of the return line, Pa.";
+    OtherFlow "other_flow" [Flow] "Flow that another consumer takes from the same supply, m³/s; its size counts, not its sign.";
+    OtherFlow2 "other_flow_2" [Flow] "The same of a second one, m³/s.";
+    OtherFlow3 "other_flow_3" [Flow] "The same of a third one, m³/s.";
     LoadForce "load_force" [Force] "External force on the rod, N; positive extends.";
     Force "force" [Force] "Force measured at the rod, N; positive extends.";
     Position "position" [Length] "Position of the rod, m; 0 is fully in, positive is out.";
@@ -50,6 +53,9 @@ signals! {
 }
 
 impl Signal {
+    /// What other consumers take from the same supply.
+    pub const OTHER_FLOWS: [Signal; 3] = [Signal::OtherFlow, Signal::OtherFlow2, Signal::OtherFlow3];
+
     /// The signal of this name.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {

@@ -114,6 +114,7 @@ impl<'a> InLanes<'a> {
         let mut state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
         state.motion.velocity = packed(|of| f64::saturated(of.velocity));
         state.motion.bristles = packed(|of| within(of.bristles));
+        state.supply.pressure = state.supply.pressure - packed(|of| of.fallen);
         if machine.get(Parameter::BacklashPlay) != 0.0 {
             state.sensed.show(packed(|of| within(of.shown)));
         }
@@ -147,6 +148,8 @@ impl<'a> InLanes<'a> {
         let kept = self.state.oil_temperature.values();
         let oil = |lane: usize| stimuli[lane].oil_at(tick, &bases).unwrap_or(kept[lane]);
         self.state.oil_temperature = Lanes::new(from_fn(oil));
+        self.state.supply.other_flow =
+            Lanes::new(stimuli.map(|stimulus| f64::saturated(stimulus.others_at(tick, &bases))));
         let load = |index: usize| read(Stimulus::load, index, bases.force_n);
         self.drive.step(&mut self.state, drive_input, Load { from: load(tick), to: load(tick + 1) });
     }

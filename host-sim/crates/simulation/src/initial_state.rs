@@ -100,6 +100,8 @@ pub(crate) struct InitialState<R> {
     /// Force of the bristles, in shares of their reference: what the measured pressures and the load leave, for the seals hold that. A rod that stands
     /// between unequal forces would otherwise start with a jerk.
     pub(crate) bristles: R,
+    /// By how much what other consumers take has brought the supply down.
+    pub(crate) fallen: R,
     /// The valve, where it has not settled at the command.
     pub(crate) valve: Option<ValveOnItsWay<R>>,
 }
@@ -135,8 +137,11 @@ impl<R: Real> InitialState<R> {
         } else {
             R::ZERO
         };
+        let fallen = machine.get(Parameter::DroopResistance) * constant(start.other_flow_m3_per_s);
+        let fallen = limited(fallen, R::ZERO, machine.get(Parameter::SupplyPressure));
         Self {
             bristles,
+            fallen: per_unit(fallen),
             command: start.command_v / bases.command_v,
             pressures: ChamberState { a: per_unit(a), b: per_unit(b) },
             strokes: position_m / machine.get(Parameter::Stroke),
@@ -195,12 +200,13 @@ pub(crate) fn at_start<N: Scalar>(
     start: &Start,
     offset: Offset<N::Real>,
 ) -> DriveState<N, DELAY_LINE> {
-    let InitialState { command, pressures, strokes, shown, sensed_beyond, velocity, bristles, valve } =
+    let InitialState { command, pressures, strokes, shown, sensed_beyond, velocity, bristles, fallen, valve } =
         InitialState::of(machine, drive.bases(), start, offset);
     let pressures = ChamberState { a: within(pressures.a), b: within(pressures.b) };
     let mut state = drive.at_rest(N::saturated(command), pressures, N::travel(strokes));
     state.motion.velocity = N::saturated(velocity);
     state.motion.bristles = within(bristles);
+    state.supply.pressure = state.supply.pressure - within(fallen);
     if !machine.get(Parameter::BacklashPlay).is_nil() {
         state.sensed.show(within(shown));
     }

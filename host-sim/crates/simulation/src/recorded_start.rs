@@ -18,6 +18,8 @@ pub struct Start {
     pub position_m: f64,
     /// Measured external force, N; 0 where there is none.
     pub load_n: f64,
+    /// Flow that other consumers take from the same supply, m³/s; 0 where none is recorded.
+    pub other_flow_m3_per_s: f64,
     /// Velocity, m/s; 0 where the recording does not show that the rod moves.
     pub velocity_m_per_s: f64,
     /// The spool, where it is measured and is not where the command would hold it after a long time.
@@ -37,6 +39,7 @@ impl Start {
             pressures_pa,
             position_m,
             load_n: 0.0,
+            other_flow_m3_per_s: 0.0,
             velocity_m_per_s: 0.0,
             spool: None,
             settled: None,

@@ -25,7 +25,7 @@ pub struct Structure {
     pub driven_by: Option<InputPoint>,
     /// What shows that the structure is wrong; empty where the machine's model does not end below a yardstick, or where nothing says why it does.
     pub shows: Vec<Shows>,
-    /// Whether the supply pressure is recorded.
+    /// Whether the supply pressure is recorded, or what other consumers take from it.
     pub knows_supply: bool,
 }
 
@@ -90,7 +90,8 @@ pub(crate) fn structure(
     let measured: Vec<Measured> =
         linear.into_iter().filter_map(|yardstick| measured(yardstick, shown, training)).collect();
     let driven_by = shown.first().map(|shown| shown.prepared.stimulus.input_point);
-    let knows_supply = supply_pa.iter().any(Option::is_some);
+    let knows_others = shown.iter().any(|shown| shown.prepared.stimulus.knows_others());
+    let knows_supply = knows_others || supply_pa.iter().any(Option::is_some);
     let mut shows = Vec::new();
     let below = measured.iter().find(|measured| measured.is_better && measured.yardstick.signal == Signal::Position);
     if let Some(measured) = below {

@@ -84,7 +84,9 @@ pub(super) fn look(
     let stretches: Vec<Vec<Stretch>> =
         shown.iter().map(|shown| stretches(&shown.prepared, machine, settled_s)).collect();
     let cases = || shown.iter().map(|shown| &shown.prepared).zip(&stretches);
-    let sag = cases().zip(supply_pa).filter_map(|((case, stretches), supply)| sag(case, stretches, (*supply)?));
+    // Where it is recorded what others take, a supply that falls is no riddle.
+    let riddles = cases().zip(supply_pa).filter(|((case, _), _)| !case.stimulus.knows_others());
+    let sag = riddles.filter_map(|((case, stretches), supply)| sag(case, stretches, (*supply)?));
     (moves(cases()), sag.max_by(|a, b| a.by_pa.total_cmp(&b.by_pa)))
 }
 

@@ -56,6 +56,7 @@ pub(crate) fn title(signal: Signal) -> &'static str {
         Signal::PressureA => "Pressure A",
         Signal::PressureB => "Pressure B",
         Signal::SupplyPressure => "Supply pressure",
+        Signal::OtherFlow | Signal::OtherFlow2 | Signal::OtherFlow3 => "Flow of another consumer",
         Signal::TankPressure => "Tank pressure",
         Signal::LoadForce => "Load force",
         Signal::Force => "Force",

@@ -279,6 +279,25 @@ fn no_spool_is_followed_where_the_chain_is_entered_below_the_valve() {
 }
 
 #[test]
+fn other_consumers_bring_the_supply_down_by_the_size_of_their_flows_from_the_first_row_on() {
+    let plain = commanded(grid(1e-3, 1500));
+    let rows = plain.time_s().len();
+    let machine = press().with(&[(Parameter::DroopResistance, 5e9), (Parameter::DroopTime, 0.02)]);
+    let supply = |others: &[(Signal, f64)]| {
+        let own = [Signal::Command, Signal::Position].map(|signal| (signal, plain.signal(signal).unwrap().to_vec()));
+        let others = others.iter().map(|&(signal, flow)| (signal, vec![flow; rows]));
+        let recording = recording(plain.time_s().to_vec(), own.into_iter().chain(others).collect());
+        let run = run_of(&machine, &recording, InputPoint::Command, LoadSource::Constant);
+        run.signal(Signal::SupplyPressure).unwrap().to_vec()
+    };
+    let alone = supply(&[]);
+    let shared = supply(&[(Signal::OtherFlow, -1e-4), (Signal::OtherFlow3, 2e-4)]);
+    assert!((alone[0] - shared[0] - 3e-4 * 5e9).abs() < 1.0, "{} {}", alone[0], shared[0]);
+    // What the drive itself draws is less from a lower supply.
+    assert!(alone.iter().zip(&shared).all(|(alone, shared)| alone > shared));
+}
+
+#[test]
 fn a_recorded_oil_temperature_thins_the_oil_and_without_one_it_is_at_the_reference() {
     let plain = commanded(grid(1e-3, 1500));
     let rows = plain.time_s().len();

@@ -55,6 +55,7 @@ impl Stimulus {
             spool: self.spool.as_deref().map(|spool| every_second(spool).into()),
             follows: self.follows,
             load_n: points(&self.load_n),
+            other_flow: points(&self.other_flow),
             oil_c: points(&self.oil_c),
             damping: self.damping,
             rows,

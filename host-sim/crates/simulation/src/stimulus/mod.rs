@@ -59,6 +59,8 @@ pub struct Stimulus {
     follows: bool,
     /// External force at grid points, N.
     load_n: Option<Vec<f64>>,
+    /// Flow that other consumers take from the same supply at grid points, m³/s.
+    other_flow: Option<Vec<f64>>,
     /// Temperature of the oil at grid points, °C. It is an input, including its sensor's noise: so slow a signal needs no smoothing.
     oil_c: Option<Vec<f64>>,
     /// Viscous friction, N s/m, that replaces all friction of the machine where the load balances the recorded pressures:
@@ -180,16 +182,22 @@ impl Stimulus {
             recording.signal(Signal::LoadForce).map(|force| grid.points(force))
         };
         let start = start(mended, machine, input_point);
+        let other_flow = other_flow(recording).map(|flow| grid.points(&flow));
         let load_at_start_n = load_n.as_ref().and_then(|load_n| load_n.first()).copied();
         Ok(Self {
             input_point,
             tick,
-            start: Start { load_n: load_at_start_n.unwrap_or(start.load_n), ..start },
+            start: Start {
+                load_n: load_at_start_n.unwrap_or(start.load_n),
+                other_flow_m3_per_s: other_flow.as_ref().and_then(|flow| flow.first()).copied().unwrap_or_default(),
+                ..start
+            },
             ticks: grid.ticks,
             input,
             spool,
             follows: false,
             load_n,
+            other_flow,
             oil_c: recording.signal(Signal::OilTemperature).map(|temperature| grid.points(temperature)),
             damping,
             rows: grid.rows,
@@ -363,6 +371,18 @@ impl Stimulus {
         if self.load_n.is_some() { Load { from: at(tick), to: at(tick + 1) } } else { Load::NONE }
     }
 
+    /// Whether it is recorded what other consumers take from the same supply.
+    #[must_use]
+    pub fn knows_others(&self) -> bool {
+        self.other_flow.is_some()
+    }
+
+    /// Mean flow that other consumers take over a tick, per unit; 0 where none is recorded.
+    pub(crate) fn others_at(&self, tick: usize, bases: &Bases) -> f64 {
+        let at = |index: usize| self.other_flow.as_ref().map_or(0.0, |flow| value_at(flow, index));
+        f64::midpoint(at(tick), at(tick + 1)) / bases.flow_m3_per_s
+    }
+
     /// Measured temperature of the oil at the start of a tick, per unit.
     pub(crate) fn oil_at<N: Scalar>(&self, tick: usize, bases: &Bases) -> Option<N> {
         let measured = self.oil_c.as_ref().and_then(|oil_c| oil_c.get(tick));
@@ -395,6 +415,13 @@ fn disturb(series: &mut [f64], rows: &[(usize, f64)], mut error: impl FnMut() ->
             *value += errors[0] + (errors[1] - errors[0]) * (index - from) as f64 / (to - from) as f64;
         }
     }
+}
+
+/// What all other consumers together take from the supply, row by row, whichever way they move, m³/s; `None` where none is recorded.
+fn other_flow(recording: &Recording) -> Option<Vec<f64>> {
+    let recorded = Signal::OTHER_FLOWS.iter().filter_map(|&signal| recording.signal(signal));
+    let sizes = recorded.map(|flow| flow.iter().map(|flow| flow.abs()).collect::<Vec<_>>());
+    sizes.reduce(|sum, one| sum.iter().zip(&one).map(|(sum, one)| sum + one).collect())
 }
 
 /// A series at a grid point; 0 beyond its end.

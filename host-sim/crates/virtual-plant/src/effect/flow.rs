@@ -67,6 +67,14 @@ pub enum FlowEffect {
         /// Hz.
         frequency_hz: f64,
     },
+    /// Another consumer on the same supply takes its flow in strokes, sin²(π·t/T) (not in the vocabulary). It acts on a supply that droops, and
+    /// stands before that in the list of effects.
+    OtherConsumer {
+        /// Its largest flow, m³/s.
+        flow_m3_per_s: f64,
+        /// From one stroke to the next, s.
+        period_s: f64,
+    },
 }
 
 impl FlowEffect {
@@ -82,6 +90,7 @@ impl FlowEffect {
             Self::Leakage { .. } | Self::RoundedEdges { .. } => "valve-leakage",
             Self::LaminarTransition { .. } => "laminar-transition",
             Self::PumpRipple { .. } => "~pump-ripple",
+            Self::OtherConsumer { .. } => "~other-consumer",
         }
     }
 
@@ -107,7 +116,18 @@ impl FlowEffect {
                 edges.return_line = SeriesLine { linear: linear_pa_s_per_m3, quadratic: quadratic_pa_s2_per_m6 };
             }
             Self::LaminarTransition { pressure_pa } => edges.laminar_pa = pressure_pa,
-            Self::Leakage { .. } | Self::RoundedEdges { .. } | Self::PumpRipple { .. } => {}
+            Self::Leakage { .. } | Self::RoundedEdges { .. } | Self::PumpRipple { .. } | Self::OtherConsumer { .. } => {
+            }
+        }
+    }
+
+    /// What another consumer takes from the supply at a time, m³/s.
+    pub(crate) fn taken_m3_per_s(&self, time_s: f64) -> f64 {
+        match *self {
+            Self::OtherConsumer { flow_m3_per_s, period_s } => {
+                flow_m3_per_s * libm::sin(std::f64::consts::PI * time_s / period_s).powi(2)
+            }
+            _ => 0.0,
         }
     }
 
@@ -148,6 +168,7 @@ impl FlowEffect {
                     *rate = relative.powf(1.0 + 1.0 / POLYTROPIC) * net * (POLYTROPIC / gas_volume_m3);
                 }
             }
+            Self::OtherConsumer { .. } => terms.delivered = terms.delivered + self.taken_m3_per_s(inputs.time_s),
             Self::Leakage { opening, reach, laminar_pa } => {
                 let gap = edges.coefficient * opening * libm::exp(-(inputs.spool / reach).powi(2));
                 let flow = |across: R| signed_root(across, laminar_pa) * gap;

@@ -128,6 +128,14 @@ impl PlantEffect {
         Self::CoulombFriction { force_n, stiffness_n_per_m: 3.0e7, damping_n_s_per_m: 2.0e4 }
     }
 
+    /// Another consumer on the same supply, where it is one.
+    pub(crate) fn other_consumer(&self) -> Option<&FlowEffect> {
+        match self {
+            Self::Flow(other @ FlowEffect::OtherConsumer { .. }) => Some(other),
+            _ => None,
+        }
+    }
+
     /// Its plainer form, with a strength near its own times a factor; none where it has no plainer form.
     #[must_use]
     pub fn plainer(&self, factor: f64) -> Option<Self> {

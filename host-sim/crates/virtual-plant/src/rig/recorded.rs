@@ -32,6 +32,8 @@ pub struct SyntheticRecording {
     pub pressure_b_pa: Vec<f64>,
     /// Supply pressure as measured, Pa; empty where it is not recorded.
     pub supply_pressure_pa: Vec<f64>,
+    /// Flow that another consumer takes from the same supply, m³/s; empty where there is none.
+    pub other_flow_m3_per_s: Vec<f64>,
     /// Temperature of the oil as measured, °C; empty where it is not recorded.
     pub oil_temperature_c: Vec<f64>,
     /// Set position of a closed-loop run, m; empty otherwise.
@@ -86,6 +88,7 @@ impl SyntheticRecording {
             ("pressure_a [Pa]", &self.pressure_a_pa),
             ("pressure_b [Pa]", &self.pressure_b_pa),
             ("supply_pressure [Pa]", &self.supply_pressure_pa),
+            ("other_flow [m³/s]", &self.other_flow_m3_per_s),
             ("oil_temperature [°C]", &self.oil_temperature_c),
             ("reference [m]", &self.reference_m),
         ];
@@ -112,6 +115,7 @@ impl SyntheticRecording {
             &mut self.pressure_a_pa,
             &mut self.pressure_b_pa,
             &mut self.supply_pressure_pa,
+            &mut self.other_flow_m3_per_s,
             &mut self.oil_temperature_c,
             &mut self.reference_m,
         ];
@@ -125,7 +129,7 @@ impl SyntheticRecording {
     }
 
     /// The recording with each channel rounded to what its sensor can resolve, so that its text is short: command 0.1 mV,
-    /// spool 1e-6, position 0.1 µm, pressure 1 Pa, temperature 0.01 K.
+    /// spool 1e-6, position 0.1 µm, pressure 1 Pa, flow 1e-9 m³/s, temperature 0.01 K.
     #[must_use]
     pub fn rounded(mut self) -> Self {
         let round = |values: &mut Vec<f64>, per_unit: f64| {
@@ -141,6 +145,7 @@ impl SyntheticRecording {
         round(&mut self.pressure_a_pa, 1.0);
         round(&mut self.pressure_b_pa, 1.0);
         round(&mut self.supply_pressure_pa, 1.0);
+        round(&mut self.other_flow_m3_per_s, 1e9);
         round(&mut self.oil_temperature_c, 1e2);
         self
     }
@@ -155,6 +160,7 @@ impl SyntheticRecording {
             Column::si(Signal::PressureA, self.pressure_a_pa.clone()),
             Column::si(Signal::PressureB, self.pressure_b_pa.clone()),
             Column::si(Signal::SupplyPressure, self.supply_pressure_pa.clone()),
+            Column::si(Signal::OtherFlow, self.other_flow_m3_per_s.clone()),
             Column::si(Signal::OilTemperature, self.oil_temperature_c.clone()),
         ];
         columns.retain(|column| column.signal == Signal::Time || !column.values.is_empty());

@@ -3,6 +3,7 @@
 use recording::excitation::signals::{Dither, Excitation};
 
 use super::recorded::SyntheticRecording;
+use crate::effect::PlantEffect;
 use crate::excitation::input::{Command, PumpCommand};
 use crate::plant::{InitialState, Plant, PlantError};
 use crate::sensor::before_noise::Sight;
@@ -81,6 +82,9 @@ impl Bench {
         }
 
         let time_s = recording.time_s.clone();
+        let other = self.plant.physics.effects().iter().find_map(PlantEffect::other_consumer);
+        recording.other_flow_m3_per_s =
+            other.map_or(Vec::new(), |other| time_s.iter().map(|&time_s| other.taken_m3_per_s(time_s)).collect());
         let mut measuring = Measuring::new(self.sensors, self.seed);
         let mut sight = Sight::new(self.plant.physics.effects());
         recording.truth = self.plant.run(initial, &time_s, |tick, state| {
@@ -123,7 +127,6 @@ impl Bench {
 mod tests {
     use super::*;
     use crate::checks::validation::{heavy, press, printed};
-    use crate::effect::PlantEffect;
     use crate::excitation::input::LoadProfile;
 
     fn bench(effects: &[PlantEffect], dither: Option<Dither>) -> Bench {
