@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 use std::fs::File;
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use experiment::standard_tests::StandardTest;
 use identification::compare::judged;
@@ -14,7 +15,7 @@ use model_core::machine::{Machine, Parameter, Source, Tick};
 use recording::display_unit::{significant, unit_for_people};
 use recording::excitation::signals::Excitation;
 use recording::files::atomic::Begun;
-use recording::{Column, Format, Recording, Series, Signal};
+use recording::{Column, Format, Linkage, Recording, Series, Signal};
 use report::plot;
 use simulation::sensor_fault::sensor_range;
 use simulation::{
@@ -35,7 +36,7 @@ use super::target::{check_targets, unwritten, write};
   host-sim simulate --machine M.toml --input \"step:4V\" --out step.csv
 
 With --recording the file holds one row per recorded row in the recording's own columns and units; the signals that the model
-computes are replaced; where its sensor reached an end of its range, a signal ends there. Where the recording has none of these, they are added in SI units. A row with a repeated time or an empty
+computes are replaced, with a linkage in the machine file also the joint's angle, which is added where it was not recorded; where its sensor reached an end of its range, a signal ends there. Where the recording has none of these, they are added in SI units. A row with a repeated time or an empty
 cell keeps what it holds and gets the signals at its time. With --input the drive starts at mid-stroke, at rest, and every signal is
 written in SI units: spool, position, velocity, both pressures, flow into A, force of the oil.
 Inputs: zero:2s  step:4V,0.5s  steps:4V  sweep:6.5V,0.4Hz,5Hz,4s  random:10V,0.08s,0.5s,4s,seed=1  triangle:2V,0.5Hz,4s")]
@@ -59,7 +60,7 @@ pub struct Arguments {
 }
 
 /// Every signal that the model computes, in the order in which it is written.
-const SIGNALS: [Signal; 7] = [
+const SIGNALS: [Signal; 8] = [
     Signal::Spool,
     Signal::Position,
     Signal::Velocity,
@@ -67,6 +68,7 @@ const SIGNALS: [Signal; 7] = [
     Signal::PressureB,
     Signal::Flow,
     Signal::Force,
+    Signal::Angle,
 ];
 
 /// What is simulated, checked.
@@ -74,6 +76,8 @@ struct Job {
     name: String,
     machine: Machine<f64>,
     load: LoadSource,
+    /// Between joint and rod.
+    linkage: Option<Arc<Linkage>>,
     /// The recording, or the input signal alone.
     recording: Recording,
     input_point: InputPoint,
@@ -131,7 +135,9 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     let mut ended: Vec<Signal> = Vec::new();
     loop {
         let mut advance = in_chunks.part(&part).map_err(failed)?;
-        for (signal, note) in within_range(&part.recording, &mut advance.trajectory) {
+        let mut notes = within_range(&part.recording, &mut advance.trajectory);
+        notes.extend(add_angle(channels.linkage.as_deref(), part.recording.name(), &mut advance.trajectory));
+        for (signal, note) in notes {
             if !ended.contains(&signal) {
                 bar.aside(|| console.note(note));
                 ended.push(signal);
@@ -194,7 +200,9 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
     bar.finish_and_clear();
     let mut simulated =
         simulated.map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
-    for (_, note) in within_range(&job.recording, &mut simulated) {
+    let mut notes = within_range(&job.recording, &mut simulated);
+    notes.extend(add_angle(job.linkage.as_deref(), job.recording.name(), &mut simulated));
+    for (_, note) in notes {
         console.note(note);
     }
     let drawing = arguments.plot.as_ref().map(|path| {
@@ -269,6 +277,21 @@ fn within_range(recording: &Recording, simulated: &mut Trajectory) -> Vec<(Signa
     notes
 }
 
+/// Adds the angle of the joint, where the machine file has the linkage; with a note where the rod leaves what that reaches.
+fn add_angle(linkage: Option<&Linkage>, name: &str, simulated: &mut Trajectory) -> Option<(Signal, String)> {
+    let linkage = linkage?;
+    let position_m = simulated.signal(Signal::Position)?;
+    let angle_rad: Vec<f64> = position_m.iter().map(|position| linkage.angle_rad(*position)).collect();
+    let (low, high) = linkage.reach_rad();
+    let is_end = |angle: &f64| *angle <= low || *angle >= high;
+    let ends = angle_rad.iter().any(is_end);
+    simulated.series.push((Signal::Angle, angle_rad));
+    ends.then(|| {
+        let (low, high) = (told(Signal::Angle, low), told(Signal::Angle, high));
+        (Signal::Angle, format!("{name}: the linkage reaches {low} to {high}, and the simulated rod comes to its end: the angle stays there"))
+    })
+}
+
 /// A value of a signal in the unit for people.
 fn told(signal: Signal, value: f64) -> String {
     let unit = unit_for_people(signal);
@@ -279,8 +302,9 @@ fn told(signal: Signal, value: f64) -> String {
 fn columns<'a>(recording: &Recording, simulated: &'a Trajectory) -> (Vec<Series<'a>>, Vec<Series<'a>>) {
     let computed: Vec<Series<'_>> =
         SIGNALS.iter().filter_map(|&signal| Some((signal, simulated.signal(signal)?))).collect();
-    let replaces = computed.iter().any(|(signal, _)| recording.has(*signal));
-    let added = if replaces { Vec::new() } else { computed.clone() };
+    let replaces = computed.iter().any(|(signal, _)| *signal != Signal::Angle && recording.has(*signal));
+    let is_added = |signal: Signal| !replaces || (signal == Signal::Angle && !recording.has(signal));
+    let added = computed.iter().copied().filter(|(signal, _)| is_added(*signal)).collect();
     (computed, added)
 }
 
@@ -320,6 +344,7 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     Ok(Job {
         name: file.name,
         machine,
+        linkage: channels.linkage,
         load,
         recording,
         input_point,

@@ -17,6 +17,7 @@ mod import;
 mod init;
 mod inspect;
 mod interrupted;
+mod joint_angle;
 #[cfg(target_os = "linux")]
 mod long;
 mod plan;

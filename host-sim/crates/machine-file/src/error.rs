@@ -4,6 +4,7 @@ use std::{fmt, io};
 
 use recording::files::atomic;
 use recording::files::source_error::{Explained, Place, after_number, quoted};
+use recording::linkage::LinkageError;
 
 /// Why a machine file cannot be read or written.
 #[expect(missing_docs, reason = "every field is named in the text of its variant; `place` is where it was found")]
@@ -53,6 +54,10 @@ pub enum MachineFileError {
     EmptyHeader { place: Place, signal: &'static str },
     /// A sensor whose reading does not change with the signal.
     NoSpan { place: Place, key: String },
+    /// A linkage that is given twice.
+    TwoLinkages { place: Place, one: &'static str, other: &'static str },
+    /// Sides or a table that make no linkage.
+    Linkage { place: Place, cause: LinkageError },
 }
 
 use MachineFileError as E;
@@ -81,7 +86,9 @@ impl Explained for MachineFileError {
             | E::UnknownChoice { place, .. }
             | E::UnknownSignal { place, .. }
             | E::EmptyHeader { place, .. }
-            | E::NoSpan { place, .. } => place,
+            | E::NoSpan { place, .. }
+            | E::TwoLinkages { place, .. }
+            | E::Linkage { place, .. } => place,
         }
     }
 
@@ -110,6 +117,20 @@ impl Explained for MachineFileError {
             E::UnknownSignal { found, .. } => format!("{} is not a known signal", quoted(found)),
             E::EmptyHeader { signal, .. } => format!("{signal} is mapped to the empty text"),
             E::NoSpan { key, .. } => format!("`{key}` is 0"),
+            E::TwoLinkages { one, other, .. } => format!("`linkage.{other}` beside `linkage.{one}`"),
+            E::Linkage { cause, .. } => match cause {
+                LinkageError::NoTriangle { length_m, .. } => {
+                    format!("the sides of [linkage] make no triangle with a cylinder of {} m", rounded(*length_m))
+                }
+                LinkageError::Entries { angles, positions } => {
+                    format!("the table of [linkage] has {angles} angles and {positions} positions")
+                }
+                LinkageError::TurnsBack { in_positions, entry, before, found } => {
+                    let (key, unit) = if *in_positions { ("positions_m", "m") } else { ("the angles", "rad") };
+                    let [before, found] = [before, found].map(|value| rounded(*value));
+                    format!("in [linkage], entry {entry} of {key} is {found} {unit} after {before} {unit}")
+                }
+            },
         }
     }
 
@@ -150,8 +171,24 @@ impl Explained for MachineFileError {
             E::UnknownSignal { nearest, .. } => format!("the name of a signal, perhaps `{nearest}`"),
             E::EmptyHeader { .. } => "the header of a column, such as \"Kolbenweg [mm]\"".into(),
             E::NoSpan { .. } => "a number that is not 0: by how much the reading rises when the signal rises by one SI unit, or the flow at the full reading".into(),
+            E::TwoLinkages { .. } => "one linkage: its sides, or a table of angles and positions".into(),
+            E::Linkage { cause, .. } => match cause {
+                LinkageError::NoTriangle { shortest_m, longest_m, .. } => {
+                    let [shortest, longest] = [shortest_m, longest_m].map(|length| rounded(*length));
+                    format!(
+                        "from foot to eye {shortest} to {longest} m, the difference and the sum of base_m and arm_m, over the whole stroke"
+                    )
+                }
+                LinkageError::Entries { .. } => "as many positions as angles, at least two".into(),
+                LinkageError::TurnsBack { .. } => "values that rise throughout, or fall throughout".into(),
+            },
         }
     }
+}
+
+/// A length or an angle to a micrometre or a millionth of a radian.
+fn rounded(value: f64) -> f64 {
+    (1e6 * value).round() / 1e6
 }
 
 impl fmt::Display for MachineFileError {

@@ -1,6 +1,6 @@
 //! Machine files: the parameters of one drive in TOML, SI units, the unit in the key.
 //!
-//! Keys, ranges and defaults are those of [`Parameter`]. In addition there are `name`, `load.source`,
+//! Keys, ranges and defaults are those of [`Parameter`]. In addition there are `name`, `load.source`, a table in `[linkage]`,
 //! `[channels]`, `[fit.sigma]` and `[fit.tolerance]`. Anything else is an error, and every error names file, line, key
 //! and what was expected there.
 //!
@@ -14,6 +14,7 @@ mod channels;
 pub mod data_sheet;
 mod error;
 pub mod keys;
+mod linkage;
 mod reader;
 mod writer;
 
@@ -73,7 +74,8 @@ pub struct MachineFile {
     /// Largest magnitudes that are within the drawing, from `[fit.tolerance]`, each in its parameter's unit: a fit may use them, and they are no
     /// findings.
     pub tolerance: BTreeMap<Parameter, f64>,
-    /// `[channels]`: which columns of a recording hold which signals. Its columns may be absent.
+    /// `[channels]`: which columns of a recording hold which signals. Its columns may be absent. Also the linkage of `[linkage]` as it was read: it
+    /// does not follow a change of `machine`.
     pub channels: ChannelMap,
     /// `load.source`.
     pub load_source: LoadSource,

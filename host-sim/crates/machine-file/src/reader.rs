@@ -14,6 +14,7 @@ use recording::files::source_error::Place;
 
 use crate::error::MachineFileError;
 use crate::keys::{self, EFFECTS};
+use crate::linkage::{self, LINKAGE};
 use crate::{LoadSource, MachineFile};
 
 /// Largest machine file, in bytes.
@@ -103,6 +104,7 @@ pub(crate) struct Reader<'a> {
     file: &'a str,
     text: &'a str,
     pub(crate) result: MachineFile,
+    pub(crate) linkage: linkage::Given,
 }
 
 impl<'a> Reader<'a> {
@@ -120,7 +122,7 @@ impl<'a> Reader<'a> {
             load_source: LoadSource::default(),
             text: text.to_owned(),
         };
-        Self { file, text, result }
+        Self { file, text, result, linkage: linkage::Given::default() }
     }
 
     pub(crate) fn place(&self, span: Option<Range<usize>>) -> Place {
@@ -178,12 +180,20 @@ impl<'a> Reader<'a> {
                 self.load_source(item)?;
                 continue;
             }
+            if name == LINKAGE && linkage::KEYS.contains(&key) {
+                self.linkage_key(table, key, item)?;
+                continue;
+            }
             let parameters = keys::at_key(name, key);
             match parameters.as_slice() {
                 [] => {
                     let mut known: Vec<String> = keys::keys(name).into_iter().map(str::to_owned).collect();
                     known.extend((name == "load").then(|| "source".to_owned()));
-                    let (place, nearest) = (self.key_place(table, key), keys::suggest(name, key));
+                    let linkage = linkage::KEYS.iter().filter(|_| name == LINKAGE);
+                    let of_linkage = keys::nearest(key, linkage.clone()).map(|key| format!("{LINKAGE}.{key}"));
+                    known.extend(linkage.map(|key| (*key).to_owned()));
+                    let (place, nearest) =
+                        (self.key_place(table, key), of_linkage.or_else(|| keys::suggest(name, key)));
                     let (table, key) = (name.to_owned(), key.to_owned());
                     return Err(MachineFileError::UnknownKey { place, table, key, nearest, known: known.into() });
                 }
@@ -345,6 +355,7 @@ impl<'a> Reader<'a> {
             }
         }
         self.floor(root)?;
+        self.result.channels.linkage = self.linkage(root)?;
         Ok(self.result)
     }
 

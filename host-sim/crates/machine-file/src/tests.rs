@@ -311,3 +311,80 @@ fn a_sensor_that_says_too_little_or_too_much_is_refused() {
     assert_error!(spool("{ column = \"s\", full = 0.0 }"), MachineFileError::NoSpan { .. });
     assert_error!(spool("5"), MachineFileError::WrongType { .. });
 }
+
+const SIDES: &str = "\n[linkage]\nbase_m = 0.6\narm_m = 0.5\nlength_retracted_m = 0.45\nangle_at_zero_rad = 0.4\n";
+const TABLE: &str = "\n[linkage]\nangles_deg = [70, 40, 10.0]\npositions_m = [0.0, 0.12, 0.3]\n";
+
+fn linkage_of(text: &str) -> recording::Linkage {
+    (**parse(&format!("{VALVE}{text}")).unwrap().channels.linkage.as_ref().unwrap()).clone()
+}
+
+#[test]
+fn a_linkage_is_given_by_its_sides_or_by_a_table() {
+    let right = (0.36_f64 + 0.25).sqrt() - 0.45;
+    let quarter = std::f64::consts::FRAC_PI_2;
+    assert!((linkage_of(SIDES).position_m(quarter - 0.4).unwrap() - right).abs() < 1e-12);
+    let turned = linkage_of(&format!("{SIDES}angle_rises = \"retracting\"\n"));
+    assert!((turned.position_m(0.4 - quarter).unwrap() - right).abs() < 1e-12);
+    let degrees = linkage_of(TABLE);
+    assert_eq!(degrees.position_m(40_f64.to_radians()), Some(0.12));
+    let radians = linkage_of(&TABLE.replace("angles_deg = [70, 40, 10.0]", "angles_rad = [1.2, 0.7, 0.2]"));
+    assert_eq!(radians.position_m(0.7), Some(0.12));
+    // A part of a triangle is none: what is missing has a default for the controller only.
+    assert_eq!(parse(&format!("{VALVE}\n[linkage]\nbase_m = 0.6\n")).unwrap().channels.linkage, None);
+}
+
+#[test]
+fn what_makes_no_linkage_is_refused() {
+    let linkage = |lines: &str, at: usize| {
+        let error = parse(&format!("{VALVE}[linkage]\n{lines}\n")).unwrap_err();
+        assert_eq!(error.place().line(), Some(11 + at), "{error}");
+        error
+    };
+    assert_error!(linkage("angles_deg = [1, 2]", 5), MachineFileError::MissingKey { key: "linkage.positions_m", .. });
+    assert_error!(linkage("positions_m = [1, 2]", 5), MachineFileError::MissingKey { key: "linkage.angles_rad", .. });
+    let table = "angles_deg = [10, 20, 30]\npositions_m = ";
+    assert_error!(linkage(&format!("{table}[0, 0.1]"), 5), MachineFileError::Linkage { .. });
+    let back = linkage(&format!("{table}[0, 0.2, 0.1]"), 5);
+    assert_eq!(
+        back.to_string(),
+        "machine.toml:16:2: in [linkage], entry 3 of positions_m is 0.1 m after 0.2 m; expected values that rise throughout, or fall throughout"
+    );
+    assert_error!(linkage(&format!("{table}[0, nan, 0.1]"), 7), MachineFileError::OutOfRange { .. });
+    assert_error!(linkage(&format!("{table}[0, \"x\", 0.1]"), 7), MachineFileError::WrongType { .. });
+    assert_error!(linkage("angles_deg = 7", 6), MachineFileError::WrongType { .. });
+    assert_error!(linkage("angles_deg = [1]\nangles_rad = [1]", 7), MachineFileError::TwoLinkages { .. });
+    let both = linkage(&format!("{table}[0, 0.1, 0.2]\nbase_m = 0.6"), 8);
+    assert_error!(both, MachineFileError::TwoLinkages { .. });
+    assert_error!(linkage("angle_rises = \"left\"", 6), MachineFileError::UnknownChoice { .. });
+    let misspelt = linkage("angle_deg = [1]", 6);
+    assert!(misspelt.to_string().contains("perhaps `linkage.angles_deg`"), "{misspelt}");
+    let short = parse(&format!("{VALVE}{}", SIDES.replace("0.5", "0.05"))).unwrap_err();
+    assert!(
+        short.to_string().contains("no triangle with a cylinder of 0.45 m; expected from foot to eye 0.55 to 0.65 m"),
+        "{short}"
+    );
+}
+
+#[test]
+fn a_linkage_is_saved_and_read_again() {
+    for linkage in [SIDES.to_owned(), format!("{SIDES}angle_rises = \"retracting\"\n"), TABLE.to_owned()] {
+        let mut file = parse(&format!("{VALVE}{linkage}")).unwrap();
+        file.machine.set(Parameter::DeadZone, 0.11);
+        let text = file.to_text("m").unwrap();
+        assert!(text.contains(&linkage), "{text}");
+        assert_eq!(parse(&text).unwrap().channels, file.channels);
+        // One made in the program has it written.
+        let mut made = MachineFile::from_machine("made", file.machine);
+        made.given.extend(file.given.iter().copied());
+        made.channels = file.channels.clone();
+        for side in [Parameter::LinkageBase, Parameter::LinkageArm, Parameter::LinkageLengthRetracted] {
+            if file.given.contains(&side) {
+                made.machine.set(side, file.machine.get(side) * 1.000_000_1);
+            }
+        }
+        let again = parse(&made.to_text("made").unwrap()).unwrap().channels.linkage.unwrap();
+        let before = file.channels.linkage.as_ref().unwrap();
+        assert!((again.angle_rad(0.1) - before.angle_rad(0.1)).abs() < 1e-5);
+    }
+}

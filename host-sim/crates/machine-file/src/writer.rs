@@ -8,11 +8,13 @@ use toml_edit::{Array, Document, DocumentMut, InlineTable, Item, Table, TableLik
 use model_core::machine::Parameter;
 use recording::files::atomic;
 use recording::files::source_error::Place;
+use recording::linkage::Rises;
 use recording::{PressureZero, Scale};
 
 use crate::channels::PRESSURE;
 use crate::error::MachineFileError;
 use crate::keys::{self, EFFECTS};
+use crate::linkage::{ANGLES, LINKAGE, POSITIONS, RISES};
 use crate::reader::read_text;
 use crate::{LoadSource, MachineFile};
 
@@ -52,6 +54,7 @@ impl MachineFile {
             put(table(document.as_table_mut(), "load"), "source", Value::from(self.load_source.name()));
         }
         self.put_channels(&mut document, before.as_ref());
+        self.put_linkage(&mut document, before.as_ref());
         self.put_fit(&mut document, before.as_ref());
         let text = document.to_string();
         read_text(file, &text)?;
@@ -130,6 +133,23 @@ impl MachineFile {
                 );
                 put(table(document.as_table_mut(), "channels"), signal.name(), value);
             }
+        }
+    }
+
+    /// What `[linkage]` says beside its parameters, where it differs from the text's.
+    fn put_linkage(&self, document: &mut DocumentMut, before: Option<&MachineFile>) {
+        let linkage = self.channels.linkage.as_deref();
+        let Some(linkage) = linkage.filter(|_| before.and_then(|before| before.channels.linkage.as_deref()) != linkage)
+        else {
+            return;
+        };
+        let written = table(document.as_table_mut(), LINKAGE);
+        if let Some((angles_rad, positions_m)) = linkage.table() {
+            for (key, values) in [(ANGLES, angles_rad), (POSITIONS, positions_m)] {
+                put(written, key, Value::Array(values.into_iter().map(number).collect()));
+            }
+        } else if let Some(triangle) = linkage.triangle().filter(|triangle| triangle.rises != Rises::default()) {
+            put(written, RISES, triangle.rises.name().into());
         }
     }
 

@@ -1,7 +1,9 @@
 //! Which column of a file holds which signal, where the header alone does not show it.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
+use crate::linkage::Linkage;
 use crate::signal::Signal;
 
 /// How the readings of a sensor become the signal's value in SI units: (reading − zero)/full.
@@ -44,6 +46,8 @@ pub struct ChannelMap {
     entries: BTreeMap<Signal, Mapping>,
     /// The zero of all pressure sensors.
     pub pressure: PressureZero,
+    /// The linkage through which the angle of the joint is a position of the rod, where it is known.
+    pub linkage: Option<Arc<Linkage>>,
 }
 
 /// Where the pressure sensors of a drive read zero.
@@ -148,7 +152,7 @@ impl ChannelMap {
     /// This map without the entry of a signal.
     pub(crate) fn without(&self, signal: Signal) -> Self {
         let entries = self.entries.iter().filter(|(own, _)| **own != signal);
-        Self { entries: entries.map(|(own, mapping)| (*own, mapping.clone())).collect(), pressure: self.pressure }
+        Self { entries: entries.map(|(own, mapping)| (*own, mapping.clone())).collect(), ..self.clone() }
     }
 
     /// All entries.

@@ -55,6 +55,8 @@ pub enum RecordingError {
     NotANumber { place: Place, header: String, found: String },
     /// A cell of a known column is NaN or infinite, as written or after conversion to SI.
     NotFinite { place: Place, header: String, found: String },
+    /// An angle of the joint beyond what the linkage reaches, all in the unit of the file.
+    AngleOutOfReach { place: Place, found: f64, from: f64, to: f64, unit: &'static str },
     /// Time is smaller than in the row before, both in s.
     TimeBackwards { place: Place, previous_s: f64, found_s: f64 },
     /// An export without the header rows or columns that this kind of export needs.
@@ -113,6 +115,7 @@ impl Explained for RecordingError {
             | E::RaggedRow { place, .. }
             | E::NotANumber { place, .. }
             | E::NotFinite { place, .. }
+            | E::AngleOutOfReach { place, .. }
             | E::TimeBackwards { place, .. }
             | E::ExportLayout { place, .. }
             | E::FullTimestamps { place, .. }
@@ -173,6 +176,9 @@ impl Explained for RecordingError {
             E::RaggedRow { found, .. } => format!("a row of {found} cells"),
             E::NotANumber { header, found, .. } | E::NotFinite { header, found, .. } => {
                 format!("column {} holds {}", quoted(header), quoted(found))
+            }
+            E::AngleOutOfReach { found, unit, .. } => {
+                format!("a joint angle of {found} {unit}, which the linkage of the machine file does not reach")
             }
             E::TimeBackwards { previous_s, found_s, .. } => {
                 format!("time {} s after {} s", engineering(*found_s), engineering(*previous_s))
@@ -259,6 +265,12 @@ impl Explained for RecordingError {
                 "a decimal number such as -12.5 or 1.5e-3; units stand in the header, as `position [mm]`".into()
             }
             E::NotFinite { .. } => "a finite number".into(),
+            E::AngleOutOfReach { from, to, unit, .. } => {
+                let [from, to] = [from, to].map(|end| (1e4 * end).round() / 1e4);
+                format!(
+                    "{from} to {to} {unit}, from end to end of [linkage]: its zero, its way or its table may be another one"
+                )
+            }
             E::TimeBackwards { .. } => "times that rise from row to row".into(),
             E::ExportLayout { .. } => {
                 "header rows `Name`, `Data-Type`, `SampleTime[ms]` … and a time column before the channels".into()

@@ -100,12 +100,29 @@ pub(crate) fn assign(
             return Err(RecordingError::DuplicateColumn { place: place(index), signal, first, second });
         }
         let header = offer.header.clone();
-        assignment.known.push((index, Column { header, signal, unit, values: Vec::new() }));
+        assignment.known.push((index, Column::of_file(header, signal, unit)));
     }
     if let Some((place, columns)) = without_unit {
         return Err(RecordingError::MissingUnit { place, columns });
     }
+    through_linkage(&mut assignment, map);
     Ok(assignment)
+}
+
+/// Takes the position from the angle of the joint where only that was recorded.
+fn through_linkage(assignment: &mut Assignment, map: &ChannelMap) {
+    let of = |signal| assignment.known.iter().find(|(_, column)| column.signal == signal);
+    let Some((index, angle)) = of(Signal::Angle) else { return };
+    let note = match &map.linkage {
+        _ if of(Signal::Position).is_some() => Note::AngleBesidePosition,
+        None => Note::AngleWithoutLinkage,
+        Some(linkage) => {
+            let position = (*index, Column::position_from(angle, linkage));
+            assignment.known.push(position);
+            Note::PositionFromAngle
+        }
+    };
+    assignment.notes.push(note);
 }
 
 /// The column of a signal, if the offered header stands for it: by the signal's mapping, or else by its name.
@@ -123,7 +140,7 @@ pub(crate) fn one(
     };
     let Some((unit, scale)) = found else { return Ok(None) };
     let unit = unit_of(signal, scale, &offer.header, unit.as_deref(), place)?;
-    Ok(Some(Column { header: offer.header.clone(), signal, unit, values: Vec::new() }))
+    Ok(Some(Column::of_file(offer.header.clone(), signal, unit)))
 }
 
 /// The unit of a known signal from the scale of its mapping, or else from the text in its header's brackets.

@@ -12,12 +12,14 @@
 )]
 
 pub mod channel_map;
+mod column;
 pub mod display_unit;
 mod error;
 pub mod excitation;
 pub mod files;
 pub mod formats;
 mod header;
+pub mod linkage;
 pub mod recording;
 pub mod seeded_noise;
 mod signal;
@@ -33,7 +35,8 @@ pub use formats::read::{in_parts, read, read_from, read_through};
 pub use formats::sheet::Series;
 pub use formats::text::lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
 pub use formats::unsupported::Unsupported;
-pub use recording::{At, Column, Note, Recording};
+pub use linkage::Linkage;
+pub use recording::{At, Column, FromAngle, Note, Recording};
 pub use signal::Signal;
 pub use static_table::StaticTable;
 pub use unit::{ATMOSPHERE_PA, Dimension, Unit};

@@ -11,29 +11,9 @@ use crate::display_unit::significant;
 use crate::error::RecordingError;
 use crate::files::source_error::{Place, counted, engineering, rounded};
 use crate::signal::Signal;
-use crate::unit::{ATMOSPHERE_PA, Unit};
+use crate::unit::ATMOSPHERE_PA;
 
-/// One known column of a recording.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Column {
-    /// The header as in the file, with its unit: `Kolbenweg [mm]`.
-    pub header: String,
-    /// What it holds.
-    pub signal: Signal,
-    /// The unit that the file uses.
-    pub unit: Unit,
-    /// The values in SI units, one for each row.
-    pub values: Vec<f64>,
-}
-
-impl Column {
-    /// A column under the signal's own name and in its SI unit.
-    #[must_use]
-    pub fn si(signal: Signal, values: Vec<f64>) -> Self {
-        let unit = signal.si_unit();
-        Self { header: format!("{signal} [{unit}]"), signal, unit, values }
-    }
-}
+pub use crate::column::{Column, FromAngle};
 
 /// Where a row stands in its file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +87,12 @@ pub enum Note {
         /// The signals.
         signals: Vec<Signal>,
     },
+    /// The position was not recorded; it follows from the angle of the joint by the machine file's linkage.
+    PositionFromAngle,
+    /// Both were recorded: the position is taken, the angle is not used.
+    AngleBesidePosition,
+    /// The angle of the joint was recorded and no position, and no linkage is known.
+    AngleWithoutLinkage,
     /// The pressures fit the drive only without the pressure of the air in them.
     TakenAsAbsolute,
     /// Signals with times of their own were interpolated to the times of the first one.
@@ -165,6 +151,20 @@ impl fmt::Display for Note {
                     names.join(", ")
                 )
             }
+            Note::PositionFromAngle => {
+                write!(
+                    f,
+                    "the position is not recorded: it comes from the joint's angle by the linkage of the machine file"
+                )
+            }
+            Note::AngleBesidePosition => {
+                write!(f, "position and joint angle are both recorded: the position is taken, the angle is not used")
+            }
+            Note::AngleWithoutLinkage => write!(
+                f,
+                "the joint's angle is recorded, no position, and no [linkage] that turns one into the other: the angle is not used. A machine \
+                 file says it by base_m, arm_m and length_retracted_m, or by a table of angles_deg and positions_m"
+            ),
             Note::TakenAsAbsolute => {
                 let bar = significant(1e-5 * ATMOSPHERE_PA, 3);
                 write!(f, "the pressures read about {bar} bar too much, as absolute sensors do: taken as absolute")

@@ -10,7 +10,7 @@ use simulation::signal::noise::{extent, resolution};
 pub struct InspectedColumn {
     /// The signal that it contains.
     pub signal: Signal,
-    /// Its header in the file.
+    /// Its header in the file; of a position that follows from the joint's angle, the words for that.
     pub header: String,
     /// The unit in which people read it.
     pub unit: Unit,
@@ -40,7 +40,7 @@ impl InspectedColumn {
         let ends = failures.ends.iter().map(|end| (end.reading, end.count() as f64 / values.len() as f64));
         Self {
             signal: column.signal,
-            header: column.header.clone(),
+            header: if column.from_angle.is_some() { "from the angle".to_owned() } else { column.header.clone() },
             unit: unit_of(column),
             low,
             high,

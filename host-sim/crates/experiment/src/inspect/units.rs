@@ -48,7 +48,13 @@ fn position_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<UnitD
         let (unit, bound) = (column.unit, Bound::Stroke);
         return Some(UnitDoubt::Beyond { signal: column.signal, unit, high: unit.from_si(low), bound, fitting: None });
     }
-    (high > most).then(|| beyond(column, Bound::Stroke, (0.01 * most, most)))
+    (high > most).then(|| match beyond(column, Bound::Stroke, (0.01 * most, most)) {
+        // No other unit of a position that follows from an angle would do.
+        UnitDoubt::Beyond { signal, unit, high, bound, .. } if column.from_angle.is_some() => {
+            UnitDoubt::Beyond { signal, unit, high, bound, fitting: None }
+        }
+        doubt => doubt,
+    })
 }
 
 fn pressure_doubt(column: &Column, machine: &Machine<f64>) -> Option<UnitDoubt> {

@@ -115,6 +115,9 @@ fn offer(offered: &Offered) -> Offer {
 
 /// A column under the name by which it is known, with its unit, so that a text written from it can be read again.
 fn titled(mut column: Column, offered: &Offered, map: &ChannelMap) -> Column {
+    if column.from_angle.is_some() {
+        return column;
+    }
     let mapped = map.get(column.signal).map(|mapping| split_header(&mapping.header).0);
     let name = mapped.unwrap_or(column.signal.name());
     let unit = column.unit.symbol();
@@ -154,7 +157,7 @@ impl<C: Contents> File<'_, C> {
                 let (signal, header, place) = (Signal::Time, offered.name.clone(), self.place(index));
                 let unit =
                     unit.ok_or_else(|| RecordingError::UnknownUnit { place, signal, header, unit: text.to_owned() })?;
-                Some(Column { header: String::new(), signal, unit, values: Vec::new() })
+                Some(Column::of_file(String::new(), signal, unit))
             } else {
                 named?
             };
@@ -190,7 +193,7 @@ impl<C: Contents> File<'_, C> {
     }
 
     /// The values of a series in SI units; NaN where it has none.
-    fn si(&self, index: usize, unit: Unit) -> Result<Vec<f64>, RecordingError> {
+    fn si(&self, index: usize, column: &Column) -> Result<Vec<f64>, RecordingError> {
         let offered = &self.contents.offered()[index];
         let mut values = self.contents.values(index)?;
         let expected = self.contents.rows(offered.base);
@@ -199,7 +202,10 @@ impl<C: Contents> File<'_, C> {
             return Err(RecordingError::LengthMismatch { place, header, found, expected });
         }
         for (row, value) in values.iter_mut().enumerate() {
-            let si = unit.to_si(*value);
+            if value.is_nan() {
+                continue;
+            }
+            let Some(si) = column.read(*value) else { return Err(column.out_of_reach(self.row(index, row), *value)) };
             if si.is_infinite() {
                 let place = self.row(index, row);
                 return Err(RecordingError::NotFinite {
@@ -229,10 +235,10 @@ impl<C: Contents> File<'_, C> {
         let mut clock = 0;
         if let Some(((index, time), ..)) = known.first() {
             clock = *index;
-            columns.push(Column { values: self.si(*index, time.unit)?, ..time.clone() });
+            columns.push(Column { values: self.si(*index, time)?, ..time.clone() });
         }
         for (_, index, column) in known {
-            columns.push(Column { values: self.si(index, column.unit)?, ..column });
+            columns.push(Column { values: self.si(index, &column)?, ..column });
         }
         let rows = columns[0].values.len();
         let (mut kept, mut previous_s) = (0, f64::NEG_INFINITY);
@@ -291,8 +297,8 @@ impl<C: Contents> File<'_, C> {
         let mut repeated = None;
         let mut channels = Vec::new();
         for ((clock, time), index, column) in known {
-            let times = self.si(*clock, time.unit)?;
-            let values = self.si(index, column.unit)?;
+            let times = self.si(*clock, time)?;
+            let values = self.si(index, &column)?;
             let mut channel = Sampled::new(column);
             for (row, (&time_s, &value)) in times.iter().zip(&values).enumerate() {
                 if time_s.is_nan() || value.is_nan() {

@@ -284,3 +284,79 @@ fn a_recording_limited_to_some_signals_holds_and_writes_only_these() {
     limited.write_csv(&path, &[], &[]).unwrap();
     assert_eq!(std::fs::read_to_string(path).unwrap(), "time [s],flow [m3/s]\n0,1\n1,2\n2,3\n");
 }
+
+/// A triangle with sides of 0.6 and 0.5 m and the cylinder of 0.45 m at 0, as a machine file has it.
+fn with_linkage(maps: &[&str]) -> ChannelMap {
+    let triangle = crate::linkage::Triangle {
+        base_m: 0.6,
+        arm_m: 0.5,
+        length_retracted_m: 0.45,
+        angle_at_zero_rad: 0.0,
+        rises: crate::linkage::Rises::Extending,
+    };
+    let mut map = ChannelMap::from_arguments(maps.iter().copied()).unwrap();
+    map.linkage = Some(std::sync::Arc::new(crate::Linkage::of_sides(triangle, 0.3).unwrap()));
+    map
+}
+
+#[test]
+fn an_angle_becomes_the_position_in_any_unit_and_under_any_name() {
+    let length = |degrees: f64| (0.61 - 0.6 * degrees.to_radians().cos()).sqrt() - 0.45;
+    let in_rad = 60_f64.to_radians();
+    let radians = format!("time [s],angle [rad]\n0,{in_rad:?}\n1,{in_rad:?}\n");
+    let mut scaled = with_linkage(&[]);
+    let scale = Some(crate::Scale { zero: 2.0, full: 1.0 });
+    scaled.insert(Signal::Angle, crate::Mapping { header: "joint [V]".into(), required: false, scale });
+    for (text, map) in [
+        ("time [s],angle [deg]\n0,60\n1,60\n", with_linkage(&[])),
+        (radians.as_str(), with_linkage(&[])),
+        ("time [s],Winkel [deg]\n0,60\n1,60\n", with_linkage(&["angle=Winkel [deg]"])),
+        (&format!("time [s],joint [V]\n0,{:?}\n1,3\n", 2.0 + in_rad), scaled),
+    ] {
+        let recording = read_from("r.csv", text.as_bytes(), &map).unwrap();
+        assert!((recording.signal(Signal::Position).unwrap()[0] - length(60.0)).abs() < 1e-12, "{text}");
+        assert_eq!(recording.notes(), [Note::PositionFromAngle]);
+        // The angle stays, as it was recorded.
+        assert!((recording.signal(Signal::Angle).unwrap()[0] - in_rad).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_recorded_position_is_taken_and_an_angle_without_linkage_is_not_passed_over_in_silence() {
+    let both =
+        read_from("r.csv", &b"time [s],angle [deg],position [mm]\n0,60,7\n1,61,8\n"[..], &with_linkage(&[])).unwrap();
+    assert_eq!(
+        (both.signal(Signal::Position).unwrap()[0].to_bits(), both.notes()),
+        (7e-3_f64.to_bits(), &[Note::AngleBesidePosition][..])
+    );
+    let lone = read_from("r.csv", &b"time [s],angle [deg]\n0,60\n1,61\n"[..], &ChannelMap::default()).unwrap();
+    assert!(!lone.has(Signal::Position));
+    assert!(lone.notes()[0].to_string().contains("no [linkage]"), "{}", lone.notes()[0]);
+}
+
+#[test]
+fn an_angle_that_the_linkage_does_not_reach_is_refused_with_its_line() {
+    let text = &b"time [s],angle [deg]\n0,60\n1,179\n2,181\n3,60\n"[..];
+    let error = read_from("r.csv", text, &with_linkage(&[])).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "r.csv:4:3: a joint angle of 181 deg, which the linkage of the machine file does not reach; expected 0 to 180 deg, from end to end of \
+         [linkage]: its zero, its way or its table may be another one"
+    );
+    // Without a linkage, or where the position is recorded, any angle will do.
+    assert!(read_from("r.csv", text, &ChannelMap::default()).is_ok());
+}
+
+#[test]
+fn rows_that_are_left_out_keep_their_angle_and_are_written_back() {
+    let text = &b"time [s],angle [deg],spool\n0,60,0\n1,,0\n1.5,200,\n2,60,0\n"[..];
+    let recording = read_from("r.csv", text, &with_linkage(&[])).unwrap();
+    assert_eq!(recording.rows(), 2);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.csv");
+    recording.write_csv(&path, &[], &[]).unwrap();
+    let written = std::fs::read_to_string(&path).unwrap();
+    let rows: Vec<&str> = written.lines().collect();
+    assert_eq!((rows[0], rows[2], rows[3]), ("time [s],angle [deg],spool,position [m]", "1,,0,", "1.5,200,,"));
+    assert!(rows[1].starts_with("0,60,0,0.1067"), "{}", rows[1]);
+}

@@ -23,7 +23,7 @@ pub fn noise(values: &[f64], resolution: f64) -> f64 {
 }
 
 /// The step by which most neighbouring values differ, if a sensor has one: the smallest difference that is not zero and
-/// is not rare.
+/// is not rare. Where steps grow along the range, as those of an encoder behind a linkage do, it is their root mean square over the rows.
 pub fn resolution(values: &[f64]) -> f64 {
     let mut steps: Vec<f64> =
         values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
@@ -39,7 +39,47 @@ pub fn resolution(values: &[f64]) -> f64 {
         .map(|pair| (pair[1] - pair[0]).abs() / step)
         .filter(|ratio| (ratio - ratio.round()).abs() < 0.02)
         .count();
-    if multiples * 10 >= values.len() * 9 { step } else { 0.0 }
+    if multiples * 10 >= values.len() * 9 { step } else { uneven_resolution(values) }
+}
+
+/// Least share of the rows that repeat the reading before: with fewer, third differences show what rounding does.
+const REPEATS: f64 = 0.25;
+/// Fewest levels that show how steps grow along the range.
+const LEVELS: usize = 16;
+/// Levels on either side among which the smallest step is the step at that place.
+const BESIDE: usize = 4;
+/// How far a step from level to level may be off a whole number of steps there: the step grows, and readings are written with few digits.
+const OFF: f64 = 0.15;
+
+/// Root mean square over the rows of a step that grows along the range; 0 where the readings do not lie on levels.
+///
+/// Levels are the readings that occur. Those of noise with many digits are irregularly spaced: a fifth of them or so would pass.
+fn uneven_resolution(values: &[f64]) -> f64 {
+    let repeats = values.windows(2).filter(|pair| pair[0].to_bits() == pair[1].to_bits()).count();
+    if (repeats as f64) < REPEATS * values.len() as f64 {
+        return 0.0;
+    }
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let levels: Vec<&[f64]> = sorted.chunk_by(|a, b| a.to_bits() == b.to_bits()).collect();
+    if levels.len() < LEVELS {
+        return 0.0;
+    }
+    let gaps: Vec<f64> = levels.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
+    let step_at = |gap: usize| {
+        let beside = &gaps[gap.saturating_sub(BESIDE)..gaps.len().min(gap + BESIDE + 1)];
+        beside.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    let steps: Vec<f64> = (0..gaps.len()).map(step_at).collect();
+    let whole =
+        gaps.iter().zip(&steps).map(|(gap, step)| gap / step).filter(|ratio| (ratio - ratio.round()).abs() < OFF);
+    if whole.count() * 10 < gaps.len() * 9 {
+        return 0.0;
+    }
+    let rows_and_steps =
+        levels.iter().enumerate().map(|(at, level)| (level.len() as f64, steps[at.min(steps.len() - 1)]));
+    let square: f64 = rows_and_steps.map(|(rows, step)| rows * step * step).sum();
+    (square / values.len() as f64).sqrt()
 }
 
 /// Lowest and highest value; without values, the lowest is above the highest.
@@ -76,6 +116,37 @@ mod tests {
         let step = resolution(&ramp);
         assert!((step - 0.5).abs() < 1e-12);
         assert!((noise(&ramp, step) - 0.5 / 12.0_f64.sqrt()).abs() < 1e-9);
+    }
+
+    /// A joint whose encoder has a step of 0.1 degrees: at both ends of the stroke it is another length.
+    fn behind_a_linkage(written: impl Fn(f64) -> f64) -> Vec<f64> {
+        let angle = |k: u32| {
+            // It rests half of the time, and a fine disturbance moves it on.
+            let way = (f64::from(k / 1500) + f64::from((k % 1500).min(750)) / 750.0) / 6.0;
+            let exact = 0.3 + 1.9 * way.min(2.0 - way) + 1e-5 * f64::from(k).sin();
+            written((exact / 1.745e-3).round() * 1.745e-3)
+        };
+        (0..9000).map(|k| (0.61 - 0.6 * angle(k).cos()).sqrt()).collect()
+    }
+
+    #[test]
+    fn steps_that_grow_along_the_range_count_by_their_root_mean_square() {
+        for written in [|angle: f64| angle, |angle: f64| (angle * 1e4).round() * 1e-4] {
+            let values = behind_a_linkage(written);
+            // By the slope of the law of cosines.
+            let step = |y: f64| 0.3 * (1.0 - ((0.61 - y * y) / 0.6).powi(2)).sqrt() / y * 1.745e-3;
+            let mean = (values.iter().map(|y| step(*y).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
+            let found = resolution(&values);
+            assert!((found / mean - 1.0).abs() < 0.1, "{found} {mean}");
+            assert!((noise(&values, found) / (mean / 12.0_f64.sqrt()) - 1.0).abs() < 0.25, "{}", noise(&values, found));
+        }
+    }
+
+    #[test]
+    fn noise_that_is_held_for_some_rows_has_no_resolution() {
+        let mut noise = Noise::new(9, 0);
+        let held: Vec<f64> = (0..2000).flat_map(|_| [noise.gaussian(1.0); 3]).collect();
+        assert!(resolution(&held).abs() < f64::MIN_POSITIVE);
     }
 
     #[test]

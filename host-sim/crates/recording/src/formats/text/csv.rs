@@ -303,7 +303,7 @@ impl TextRows {
     fn leave_out(&mut self, cells: Cells<'_>) {
         self.left_out.after.push(self.times_s().len());
         for (index, column) in &self.columns {
-            let value = parse_number(cells.get(*index), self.separator != b',').map(|value| column.unit.to_si(value));
+            let value = parse_number(cells.get(*index), self.separator != b',').and_then(|value| column.read(value));
             self.left_out.cells.push(value.filter(|value| value.is_finite()));
         }
     }
@@ -327,7 +327,7 @@ pub(crate) fn number(
             Err(RecordingError::NotANumber { place: place(), header: column.header.clone(), found: text.to_owned() })
         }
         Some(value) => {
-            let si = column.unit.to_si(value);
+            let Some(si) = column.read(value) else { return Err(column.out_of_reach(place(), value)) };
             if si.is_finite() {
                 return Ok(si);
             }

@@ -67,7 +67,7 @@ pub(crate) fn read(
     let file = lines.file();
     let name = lines.file_name().to_owned();
     let separator = splitter.separator();
-    let time = Column { header: "time".into(), signal: Signal::Time, unit: milliseconds(), values: Vec::new() };
+    let time = Column::of_file("time".into(), Signal::Time, milliseconds());
     let mut block: Block = vec![first];
     let mut channels: Option<Channels> = None;
     let mut header_rows = 1;
