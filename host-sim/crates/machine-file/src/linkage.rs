@@ -58,7 +58,8 @@ impl Reader<'_> {
             }
             POSITIONS => self.linkage.positions_m = Some(self.numbers(key, item)?),
             _ if self.linkage.angles_rad.is_some() => {
-                return Err(self.one_linkage(table, ANGLES, ANGLES_DEG));
+                let (one, other) = if key == ANGLES { (ANGLES_DEG, ANGLES) } else { (ANGLES, ANGLES_DEG) };
+                return Err(self.one_linkage(table, one, other));
             }
             _ => {
                 let per_unit = if key == ANGLES_DEG { std::f64::consts::PI / 180.0 } else { 1.0 };
