@@ -13,6 +13,7 @@ mod entered;
 mod faults;
 mod hall;
 mod in_a_hall;
+mod joint_angle;
 mod long;
 mod measured_force;
 mod oil;
