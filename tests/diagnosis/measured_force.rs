@@ -1,10 +1,11 @@
-//! Axes that are driven by a measured force, of equations of this file's own: their guides are rough, so no model follows them to the sensors' noise, and the free
+//! Axes that a measured force moves, of equations of this file's own: their guides are rough, so no model follows them to the sensors' noise, and the free
 //! run drifts for seconds after each newton that it lacks.
 
 use std::f64::consts::TAU;
 
 use diagnosis::{Diagnosis, Verdict, diagnose};
 use machine_file::MachineFile;
+use model_core::effects::Effect;
 use model_core::machine::Parameter;
 use recording::{ChannelMap, Column, Recording, Signal};
 use report::evidence::Exhibits;
@@ -78,10 +79,20 @@ impl Axis {
     }
 }
 
+fn sheet() -> String {
+    std::fs::read_to_string(super::root().join("tests/diagnosis/axis.toml")).unwrap()
+}
+
 /// A machine file in which viscous friction is guessed.
 fn file(viscous_n_s_per_m: f64) -> MachineFile {
-    let sheet = std::fs::read_to_string(super::root().join("tests/diagnosis/axis.toml")).unwrap();
-    machine_file::read_text("axis.toml", &sheet.replace("= 250.0", &format!("= {viscous_n_s_per_m:?}"))).unwrap()
+    machine_file::read_text("axis.toml", &sheet().replace("= 250.0", &format!("= {viscous_n_s_per_m:?}"))).unwrap()
+}
+
+/// The names of the findings, and dry friction, viscous friction and mass after them.
+fn found(diagnosis: &Diagnosis) -> (Vec<&'static str>, [f64; 3]) {
+    let value = |parameter| diagnosis.machine_after.get(parameter);
+    let values = [Parameter::CoulombFriction, Parameter::ViscousFriction, Parameter::MovingMass].map(value);
+    (diagnosis.findings.iter().map(|finding| finding.effect.name).collect(), values)
 }
 
 const RUBS: Axis = Axis { mass_kg: 90.0, viscous_n_s_per_m: 210.0, coulomb_n: 22.0, rough_n: 1.5, seed: 5 };
@@ -91,9 +102,7 @@ fn dry_friction_of_a_rough_guide_is_told_from_position_velocity_or_both_and_from
     let both = [Signal::Position, Signal::Velocity];
     for (judged, guessed) in [(&both[..1], 90.0), (&both[..1], 400.0), (&both[1..], 250.0), (&both[..], 250.0)] {
         let diagnosis = RUBS.diagnosed(&file(guessed), judged);
-        let value = |parameter| diagnosis.machine_after.get(parameter);
-        let found = [Parameter::CoulombFriction, Parameter::ViscousFriction, Parameter::MovingMass].map(value);
-        let names: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.name).collect();
+        let (names, found) = found(&diagnosis);
         println!("{judged:?}, {guessed} N s/m: {names:?}, {found:.1?}");
         assert_eq!(names, ["coulomb-friction"], "{judged:?}");
         for (found, truth) in found.into_iter().zip([RUBS.coulomb_n, RUBS.viscous_n_s_per_m, RUBS.mass_kg]) {
@@ -137,7 +146,71 @@ fn a_rough_guide_without_dry_friction_is_not_said_to_have_any() {
     }
 }
 
-/// The published values of two benchmarks of friction, see `../shared/data/README.md`.
+/// What a machine file needs of a cylinder for both its pressures to be the force, and of a valve-controlled drive around it.
+const AREAS: &str = "area_a_m2 = 1e-3\narea_b_m2 = 8e-4\n";
+const HYDRAULICS: &str = "[supply]\npressure_pa = 1e6\n[valve]\ngain_per_v = 0.1\n";
+
+/// The same answer from a force, from the two pressures that make it, and with a valve and a supply in the file that take no part.
+#[test]
+fn a_valve_that_takes_no_part_and_pressures_in_place_of_the_force_change_no_answer() {
+    let with_areas = sheet().replace("stroke_m", &format!("{AREAS}stroke_m"));
+    let hydraulic = with_areas.replace("[cylinder]", &format!("{HYDRAULICS}[cylinder]"));
+    let read = |text: &str| machine_file::read_text("axis.toml", text).unwrap();
+    let [training, held_out] = RUBS.recordings(&[Signal::Position]);
+    let by_pressures = |recording: &Recording| {
+        const PRESSURE_B_PA: f64 = 2e6;
+        let force = recording.signal(Signal::Force).unwrap();
+        let pressure_a = force.iter().map(|force_n| (force_n + 8e-4 * PRESSURE_B_PA) / 1e-3).collect();
+        let mut columns = vec![Column::si(Signal::PressureA, pressure_a)];
+        columns.push(Column::si(Signal::PressureB, vec![PRESSURE_B_PA; force.len()]));
+        for signal in [Signal::Time, Signal::Position] {
+            columns.push(Column::si(signal, recording.signal(signal).unwrap().to_vec()));
+        }
+        Recording::new(recording.name(), columns).unwrap()
+    };
+    let alone = found(&diagnose(&read(&sheet()), &training, &held_out, None, &|_| {}).unwrap());
+    let beside = found(&diagnose(&read(&hydraulic), &training, &held_out, None, &|_| {}).unwrap());
+    let [training, held_out] = [training, held_out].map(|recordings| recordings.map(|one| by_pressures(&one)));
+    let pressures = found(&diagnose(&read(&with_areas), &training, &held_out, None, &|_| {}).unwrap());
+    println!("{alone:.3?}, {beside:.3?}, {pressures:.3?}");
+    for (names, values) in [beside, pressures] {
+        assert_eq!(names, ["coulomb-friction"]);
+        for (value, expected) in values.into_iter().zip(alone.1) {
+            assert!((value / expected - 1.0).abs() < 0.02, "{value} instead of {expected}");
+        }
+    }
+    // Pressures without areas are no force.
+    let refused = diagnose(&read(&sheet()), &training, &held_out, None, &|_| {}).unwrap_err().to_string();
+    assert!(refused.contains("cylinder.area_a_m2") && refused.contains("`force`"), "{refused}");
+}
+
+#[test]
+fn of_an_axis_no_effect_of_valve_and_oil_is_tried_or_listed_and_no_word_of_them_is_told() {
+    let file = file(250.0);
+    let [training, held_out] = RUBS.recordings(&[Signal::Position]);
+    let diagnosis = diagnose(&file, &training, &held_out, None, &|_| {}).unwrap();
+    let tried = diagnosis.selection.rounds.iter().flatten().flat_map(|trial| &trial.effects);
+    let foreign: Vec<&str> = tried
+        .chain(&diagnosis.not_testable)
+        .filter(|effect| !Effect::named(effect.name).unwrap().acts_under_force())
+        .map(|effect| effect.name)
+        .collect();
+    assert_eq!(foreign, Vec::<&str>::new());
+    let exhibits = Exhibits::of(&file, &training, &held_out, &diagnosis, true).unwrap();
+    let told = report::terminal::text(&diagnosis, &exhibits);
+    for word in ["valve", "pressure", "supply", "spool", "leakage", "full force", "full flow"] {
+        assert!(!told.contains(word), "{word}: {told}");
+    }
+    assert!(told.contains("size       2") && told.contains("constant-speed strokes below 10 mm/s"), "{told}");
+}
+
+/// A machine file of each benchmark, as a user would write it.
+const EMPS: &str = "[cylinder]\nmoving_mass_kg = 95.0\nviscous_friction_n_s_per_m = 288.557\n[fit.sigma]\n\"cylinder.moving_mass_kg\" = 20.0\n\
+    \"cylinder.viscous_friction_n_s_per_m\" = 200.0\n\"load.force_n\" = 10.0\n";
+const RACK: &str = "[cylinder]\nmoving_mass_kg = 24.7\nviscous_friction_n_s_per_m = 60.0\n[fit.sigma]\n\"cylinder.moving_mass_kg\" = 1.2\n\
+    \"cylinder.viscous_friction_n_s_per_m\" = 60.0\n";
+
+/// The published values of two benchmarks of friction, see `../shared/data/README.md`, with and without the fictitious valve of their files there.
 #[test]
 fn friction_of_real_axes_is_as_published_in_every_form_of_the_recordings() {
     let read = |folder: &std::path::Path, names: &[&str]| -> Vec<Recording> {
@@ -145,17 +218,16 @@ fn friction_of_real_axes_is_as_published_in_every_form_of_the_recordings() {
         names.iter().map(of).collect()
     };
     if let Some(folder) = system_tests::at_hand::shared("data/emps") {
-        let sheet = std::fs::read_to_string(folder.join("load3.toml")).unwrap();
+        let with_valve = std::fs::read_to_string(folder.join("load3.toml")).unwrap();
         let (training, held_out) = (["tz-1.csv", "tz-2.csv", "tz-3.csv"], ["hz-1.csv", "hz-2.csv", "hz-3.csv"]);
         let (training, held_out) = (read(&folder, &training), read(&folder, &held_out));
-        for guessed in ["87.0", "203.0", "400.0"] {
-            let file = machine_file::read_text("load3.toml", &sheet.replace("288.557", guessed)).unwrap();
+        for (sheet, guessed) in [(EMPS, "87.0"), (EMPS, "203.0"), (EMPS, "400.0"), (&*with_valve, "400.0")] {
+            let file = machine_file::read_text("emps.toml", &sheet.replace("288.557", guessed)).unwrap();
             let diagnosis = diagnose(&file, &training, &held_out, None, &|_| {}).unwrap();
-            let value = |parameter| diagnosis.machine_after.get(parameter);
-            let found = [Parameter::CoulombFriction, Parameter::ViscousFriction, Parameter::MovingMass].map(value);
+            let (names, found) = found(&diagnosis);
             let fit = diagnosis.mean_fits(true, true)["position"];
-            println!("emps from {guessed} N s/m: {found:.2?}, held out {fit:.2} %");
-            assert_eq!(diagnosis.findings.iter().map(|one| one.effect.name).collect::<Vec<_>>(), ["coulomb-friction"]);
+            println!("emps, {:?}, from {guessed} N s/m: {found:.2?}, held out {fit:.2} %", file.machine.source);
+            assert_eq!(names, ["coulomb-friction"]);
             for (found, published) in found.into_iter().zip([20.39, 203.5, 95.11]) {
                 assert!((found / published - 1.0).abs() < 0.06, "{found} instead of {published}");
             }
@@ -163,12 +235,13 @@ fn friction_of_real_axes_is_as_published_in_every_form_of_the_recordings() {
         }
     }
     if let Some(folder) = system_tests::at_hand::shared("data/rack") {
-        let file = machine_file::read(&folder.join("m.toml")).unwrap();
-        for name in ["rack.csv", "vel.csv", "pos.csv"] {
+        let with_valve = std::fs::read_to_string(folder.join("m.toml")).unwrap();
+        for (sheet, name) in [(RACK, "rack.csv"), (RACK, "vel.csv"), (RACK, "pos.csv"), (&*with_valve, "rack.csv")] {
+            let file = machine_file::read_text("rack.toml", sheet).unwrap();
             let diagnosis = diagnose(&file, &read(&folder, &[name]), &[], None, &|_| {}).unwrap();
-            let friction_n = diagnosis.machine_after.get(Parameter::CoulombFriction);
-            println!("rack, {name}: Coulomb friction {friction_n:.2} N");
-            assert_eq!(diagnosis.findings.iter().map(|one| one.effect.name).collect::<Vec<_>>(), ["coulomb-friction"]);
+            let (names, [friction_n, ..]) = found(&diagnosis);
+            println!("rack, {:?}, {name}: Coulomb friction {friction_n:.2} N", file.machine.source);
+            assert_eq!(names, ["coulomb-friction"]);
             assert!((17.0..19.0).contains(&friction_n), "{name}: {friction_n}");
         }
     }

@@ -84,6 +84,15 @@ fn recordings_of_a_pump_are_simulated_one_by_one() {
     as_alone(&machine, Tick::OneMillisecond, InputPoint::Pump, false, &drawn);
 }
 
+#[test]
+fn recordings_of_a_mass_are_in_lanes_as_alone() {
+    let mut machine =
+        drives::press().with(&[(P::CoulombFriction, 60.0), (P::BacklashPlay, 1e-4), (P::ViscousFriction, 200.0)]);
+    machine.source = Source::Force;
+    let drawn = [(1, 900, 1e-3, 0.3, 0.0), (2, 700, 1e-3, 0.6, 1e-6), (4, 800, 2.5e-3, 0.5, 0.0)];
+    as_alone(&machine, Tick::OneMillisecond, InputPoint::Force, false, &drawn);
+}
+
 /// The press with every form of every effect, and with unnamed tables.
 fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
     let press = drives::press();

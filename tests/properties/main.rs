@@ -8,6 +8,7 @@
 //! ```
 
 mod agreement;
+mod axis;
 mod balance;
 mod derivatives;
 mod effects;

@@ -127,6 +127,26 @@ fn machines(effects: bool) -> impl Strategy<Value = Machine<f64>> {
     )
 }
 
+/// Any mass that a force moves: 50 g to 5 t, with and without viscous and dry friction, load and the areas of a cylinder.
+pub fn any_axis() -> impl Strategy<Value = Machine<f64>> {
+    let mass = (decades(0.05, 5000.0), or_none(0.0, decades(1e-2, 1e3)), decades(0.005, 5.0));
+    let forces = (-2.0..2.0_f64, or_none(0.0, 0.0..0.5));
+    let areas = prop::option::weighted(0.25, areas_m2());
+    (mass, forces, areas).prop_map(|((mass, fades_per_s, stroke_m), (load, friction), areas)| {
+        let (area_a, area_b) = areas.unwrap_or((0.0, 0.0));
+        let weight_n = 9.81 * mass;
+        Machine::with_defaults(Source::Force).with(&[
+            (P::MovingMass, mass),
+            (P::ViscousFriction, fades_per_s * mass),
+            (P::Stroke, stroke_m),
+            (P::LoadForce, load * weight_n),
+            (P::CoulombFriction, friction * weight_n),
+            (P::AreaA, area_a),
+            (P::AreaB, area_b),
+        ])
+    })
+}
+
 /// Any tick.
 pub fn any_tick() -> impl Strategy<Value = Tick> {
     prop_oneof![Just(Tick::HalfMillisecond), Just(Tick::OneMillisecond), Just(Tick::TwoMilliseconds)]

@@ -242,12 +242,16 @@ impl Words<'_> {
         N::any(self.bits())
     }
 
-    /// The press or a pump drive, with up to 255 changes of parameters: each to an end of its range, a share of the range, a multiple of
+    /// The press or a pump drive, or the mass of either moved by a force, with up to 255 changes of parameters: each to an end of its range, a share of the range, a multiple of
     /// its value, or anything.
     fn machine(&mut self) -> (Machine<f64>, Tick) {
         let kind = self.byte();
         let mut machine = if kind & 1 == 0 { drives::press() } else { drives::pump() };
-        machine.source = if kind & 1 == 0 { Source::Valve } else { Source::Pump };
+        machine.source = match kind {
+            0b1010_0000..0b1100_0000 => Source::Force,
+            _ if kind & 1 == 0 => Source::Valve,
+            _ => Source::Pump,
+        };
         let tick = match kind >> 1 & 3 {
             0 | 3 => Tick::OneMillisecond,
             1 => Tick::HalfMillisecond,

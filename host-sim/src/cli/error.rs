@@ -237,7 +237,7 @@ pub enum CliError {
     },
     /// A command in volts for a drive that has none.
     #[error(
-        "{machine}: the drive's source is its {source_of_drive:?}; expected a [valve], which is what {what} commands"
+        "{machine}: a {} moves the drive; expected a [valve], which is what {what} commands", .source_of_drive.name()
     )]
     NeedsValve {
         /// The machine file.

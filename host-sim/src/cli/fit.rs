@@ -111,7 +111,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if let Some(table) = terminal::tolerances(&file.machine, &within) {
         console.print(table)?;
     }
-    for far in wording::far_values(&far_values(&free, &estimates)) {
+    for far in wording::far_values(&far_values(&file.machine, &free, &estimates)) {
         console.print(format_args!("far value: {far}"))?;
     }
     for used in wording::used_up(&file.machine, &within) {

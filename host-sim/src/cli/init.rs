@@ -23,6 +23,8 @@ use super::target::{check_targets, write};
       --rated-drop 5bar --rated-signal 10V --valve-response 96ms --overlap 17.7% --spool-at-rated 59.35%
   host-sim init --out press.toml --bore 63mm --rod 40mm --stroke 300mm --mass 40kg --supply 150bar --pump-displacement 16cm3/rev
 
+A mass that a recorded force moves has no data sheet of valve or pump, and a machine file of a few lines: docs/faq.md has one.
+
 On a terminal, what no flag gives is asked for; elsewhere a flag that is required and not given is an error, which names all of
 them. Every value of the file says whether it was given, derived by which formula, or
 assumed and why; [fit.sigma] is narrow for what was given and wide for what was assumed, so that `fit` may move it.")]

@@ -19,6 +19,56 @@ pub(crate) const GAIN_AIM: f64 = 3.9;
 /// Largest factor by which the mass on the oil spring may be smaller: see `sprung_mass`.
 pub(crate) const SPRUNG: f64 = 1.05;
 
+/// Velocity at 1 where a force moves the mass, strokes/s: the format ends at a stroke in 31 ms.
+const STROKES_PER_S: f64 = 4.0;
+/// Acceleration by the full force where a force moves the mass, strokes/s²: it reaches that velocity within 31 ms, and the format ends at eight times as much.
+const STROKES_PER_S2: f64 = 128.0;
+/// Acceleration of a falling mass, m/s².
+const GRAVITY: f64 = 9.81;
+/// Largest stiffness of a stop over the full force and the stroke that a choice of scales aims at; the format ends at 65536.
+const STEEP_AIM: f64 = 6e4;
+
+/// See [`Machine::full_force_n`].
+pub(crate) fn full_force_n(machine: &Machine<f64>) -> f64 {
+    let of_oil = machine.get(P::AreaA) * machine.get(P::SupplyPressure);
+    if machine.source != Source::Force {
+        return of_oil;
+    }
+    let stroke = machine.get(P::Stroke);
+    let accelerated = machine.get(P::MovingMass) * (STROKES_PER_S2 * stroke + GRAVITY);
+    of_oil.max(accelerated + machine.get(P::ViscousFriction) * STROKES_PER_S * stroke)
+}
+
+/// Scales where a force moves the mass. No oil is there to give a flow, so the stroke gives the velocity. The force's scale is the full force, or all
+/// that may hold the rod where that is more; then the velocity's scale is raised until the velocity gained per tick fits. Viscous friction always does,
+/// for its force at velocity 1 is part of the full force.
+fn bases_under_force(machine: &Machine<f64>, tick_s: f64) -> Bases {
+    let get = |parameter: P| machine.get(parameter).abs();
+    let (pressure_pa, stroke_m) = (machine.get(P::SupplyPressure), machine.get(P::Stroke));
+    let table_n = P::TABLE_VALUES.iter().fold(0.0, |most: f64, &value| most.max(get(value)));
+    let table_n = if machine.get(P::TableQuantity) > 0.0 { table_n } else { 0.0 };
+    let load_n = get(P::LoadForce)
+        + get(P::LoadSpringForce)
+        + stroke_m * (get(P::LoadSpring) + stroke_m * get(P::LoadSpringBow));
+    let held_n = load_n + table_n + machine.dry_friction_n();
+    let wanted_n = full_force_n(machine).max(held_n).max(get(P::StopStiffness) * stroke_m / STEEP_AIM);
+    // Velocity 1 per force 1, at the largest gain, and the force that brings the mass to GAIN_AIM strokes a tick with it: no scale holds more.
+    let per_force = SPRUNG * tick_s / (GAIN_AIM * inertia(machine, tick_s));
+    let force_n = wanted_n.min(GAIN_AIM * stroke_m / (tick_s * per_force));
+    let velocity_m_per_s = (STROKES_PER_S * stroke_m).max(per_force * force_n);
+    Bases {
+        pressure_pa,
+        velocity_m_per_s,
+        flow_m3_per_s: force_n / pressure_pa * velocity_m_per_s,
+        force_n,
+        stroke_m,
+        command_v: COMMAND_V,
+        pump_speed_rev_per_s: PUMP_SPEED_REV_PER_S,
+        temperature_c: TEMPERATURE_C,
+        tick_s,
+    }
+}
+
 /// Scales in which all coefficients of a sensible drive fit.
 ///
 /// Pressures are scaled by the supply, so the velocity's scale decides: a larger one makes the pressure rise per tick
@@ -35,6 +85,7 @@ pub(crate) fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
             let full_speed = machine.get(P::PumpDisplacement) * PUMP_SPEED_REV_PER_S;
             (full_speed, full_speed)
         }
+        Source::Force => return bases_under_force(machine, tick_s),
     };
     let inertia = inertia(machine, tick_s);
     let smaller_capacity = smaller_capacity(machine);

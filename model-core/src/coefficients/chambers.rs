@@ -75,6 +75,26 @@ impl<R: Real> Builder<'_, R> {
         })
     }
 
+    /// No chambers: pressures stay as they are and push nothing.
+    pub(super) fn no_chambers<N: Number<Real = R>>(&self) -> Result<Chambers<N>, MachineError> {
+        let none = self.gain::<N>("nothing", P::Stroke, R::ZERO)?;
+        Ok(Chambers {
+            stiffness_a: none,
+            stiffness_b: none,
+            implicit: Flows { a: N::ZERO, b: N::ZERO },
+            ahead: [none; 2],
+            ratio: none,
+            unity: self.steep::<N>("one", P::Stroke, R::ONE)?,
+            effects: ChamberEffects {
+                leakage: N::ZERO,
+                leaks_fast: false,
+                external: None,
+                capacity: None,
+                cavitation: None,
+            },
+        })
+    }
+
     /// Per unit, in the thinnest oil.
     fn leakage(&self, conductance: P) -> R {
         self.get(conductance) * R::constant(self.bases.pressure_pa / self.bases.flow_m3_per_s) / thinnest(self.machine)

@@ -3,7 +3,7 @@
 use super::Builder;
 use crate::chambers::cavitation::Unsprung;
 use crate::coefficients::bases::{SLIPPERIEST, least_drag, thinnest};
-use crate::machine::{Bases, Machine, MachineError, Parameter as P};
+use crate::machine::{Bases, Machine, MachineError, Parameter as P, Source};
 use crate::mechanics::end_stop::{Face, Stops};
 use crate::mechanics::friction::{DryFriction, Placed, PlacedDrag, STRIBECK_WIDTH, Stribeck};
 use crate::mechanics::lugre::{Bend, Bristles};
@@ -23,14 +23,19 @@ impl<R: Real> Machine<R> {
     /// chambers together, N. It is the unit of the bristles' force.
     #[must_use]
     pub fn largest_friction_n(&self, bases: &Bases) -> f64 {
+        let seals_n = self.get(P::PressureFriction).value() * bases.pressure_pa;
+        self.dry_friction_n() + if self.source == Source::Force { 0.0 } else { seals_n }
+    }
+
+    /// The same without the seals under pressure.
+    pub(super) fn dry_friction_n(&self) -> f64 {
         let force_n = |of: P| self.get(of).value();
         let constant_n = force_n(P::CoulombFriction) + force_n(P::PreslidingForce) + force_n(P::StribeckForce);
         let directed_n = force_n(P::AsymmetricExtending).max(force_n(P::AsymmetricRetracting));
         let placed_n = force_n(P::PositionFriction)
             + force_n(P::PositionFrictionSlope).abs()
             + force_n(P::PositionFrictionBow).abs();
-        let seals_n = force_n(P::PressureFriction) * bases.pressure_pa;
-        constant_n + force_n(P::StribeckExcess) + directed_n + placed_n + seals_n
+        constant_n + force_n(P::StribeckExcess) + directed_n + placed_n
     }
 
     /// Whether dry friction acts through bristles.
@@ -181,7 +186,8 @@ impl<R: Real> Builder<'_, R> {
         } else {
             None
         };
-        let seals = if self.is_on(&[P::PressureFriction]) {
+        let has_oil = self.machine.source != Source::Force;
+        let seals = if has_oil && self.is_on(&[P::PressureFriction]) {
             let share = self.get(P::PressureFriction) / self.get(P::AreaA) * R::constant(scale);
             Some(self.signal("friction of the seals over full force", P::PressureFriction, share)?)
         } else {

@@ -34,10 +34,17 @@ impl<N: Number> Drive<N> {
         let source = match machine.source {
             Source::Valve => OilSource::Valve(builder.valve::<N>(DELAY)?, builder.edges()?),
             Source::Pump => OilSource::Pump(builder.pump()?),
+            Source::Force => OilSource::None,
         };
-        let mechanics = builder.mechanics::<N>(builder.sprung_mass())?;
+        let is_sprung = !matches!(source, OilSource::None);
+        let mass = if is_sprung { builder.sprung_mass() } else { builder.get(P::MovingMass) };
+        let mechanics = builder.mechanics::<N>(mass)?;
         let unsprung = builder.mechanics::<N>(builder.get(P::MovingMass))?;
-        let chambers: Chambers<N> = builder.chambers().map_err(|error| builder.with_cause(error))?;
+        let chambers: Chambers<N> = if is_sprung {
+            builder.chambers().map_err(|error| builder.with_cause(error))?
+        } else {
+            builder.no_chambers()?
+        };
         let (sensors, viscosity, unnamed) =
             (builder.sensors::<N>(DELAY)?, builder.viscosity()?, builder.unnamed::<N>()?);
         let plain = matches!(&source, OilSource::Valve(valve, edges) if valve.effects.are_off() && edges.effects.is_none())

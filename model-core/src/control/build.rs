@@ -52,7 +52,7 @@ impl Follower {
     /// # Errors
     /// The machine has no valve or a parameter out of range, the tuning has a value out of range, or a coefficient does not fit.
     pub fn new(machine: &Machine<f64>, tuning: &Tuning, tick: Tick) -> Result<Self, FollowError> {
-        if machine.source == Source::Pump {
+        if machine.source != Source::Valve {
             return Err(FollowError::Source { found: machine.source });
         }
         machine.check()?;

@@ -34,6 +34,8 @@ pub enum OilSource<N: Number> {
     Valve(Valve<N>, Edges<N>),
     /// Pump with directional valve.
     Pump(Pump<N>),
+    /// None: a force moves the mass.
+    None,
 }
 
 /// Coefficients of a drive at one tick: configuration, never state.
@@ -67,7 +69,7 @@ impl<N: Number> Drive<N> {
     pub fn valve(&self) -> Option<&Valve<N>> {
         match &self.source {
             OilSource::Valve(valve, _) => Some(valve),
-            OilSource::Pump(_) => None,
+            OilSource::Pump(_) | OilSource::None => None,
         }
     }
 
@@ -98,6 +100,7 @@ impl<N: Number> Drive<N> {
                 let flows = source.flow(pump, pressures.a, pressures.b);
                 Flows { a: flows.a.flow, b: flows.b.flow }
             }
+            OilSource::None => Flows { a: N::ZERO, b: N::ZERO },
         }
     }
 
@@ -106,6 +109,7 @@ impl<N: Number> Drive<N> {
         match &self.source {
             OilSource::Valve(_, edges) => SupplyState::at_rest(edges.lines.supply),
             OilSource::Pump(pump) => SupplyState::at_rest(pump.lines.supply),
+            OilSource::None => SupplyState::at_rest(N::ONE),
         }
     }
 
@@ -119,7 +123,7 @@ impl<N: Number> Drive<N> {
     ) -> DriveState<N, DELAY> {
         let valve = match &self.source {
             OilSource::Valve(valve, _) => valve.at_rest(command),
-            OilSource::Pump(_) => ValveState::idle(),
+            OilSource::Pump(_) | OilSource::None => ValveState::idle(),
         };
         let state = DriveState::at_rest(valve, pressures, position, self.unloaded());
         DriveState { oil_temperature: self.reference_temperature(), ..state }
@@ -173,7 +177,7 @@ impl<N: Number> Drive<N> {
     /// ```
     ///
     /// A drive input that the drive's source cannot take (a pump's speed on a valve drive, a spool on a pump drive) counts
-    /// as closed ports.
+    /// as closed ports, and as no force on a mass that only a force moves.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "what the caller does not read of the interfaces is then never computed")]
     pub fn step<const DELAY: usize>(
@@ -205,7 +209,12 @@ impl<N: Number> Drive<N> {
         drive_input: DriveInput<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
-        if let DriveInput::Force { from, to } = drive_input {
+        let force = match (drive_input, &self.source) {
+            (DriveInput::Force { from, to }, _) => Some((from, to)),
+            (_, OilSource::None) => Some((N::ZERO, N::ZERO)),
+            _ => None,
+        };
+        if let Some((from, to)) = force {
             let seen = self.step_force(state, from + load.from, to + load.to);
             self.step_beside(state);
             return seen;

@@ -5,6 +5,8 @@ mod parameter;
 
 use core::f64::consts::{PI, TAU};
 
+use crate::coefficients;
+use crate::effects::Link;
 use crate::number::{Real, SUM_UNIT};
 
 pub use forms::{BASE_FORMS, Form};
@@ -17,13 +19,37 @@ pub const ATMOSPHERE_PA: f64 = 1.013e5;
 /// no floor.
 pub const LOWEST_FLOOR_PA: f64 = -ATMOSPHERE_PA;
 
-/// Where the oil comes from.
+/// What moves the rod: where the oil comes from, or a force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// A proportional valve on a constant supply: the paper's drive.
     Valve,
     /// A pump whose flow a directional valve leads into A or B; the other port returns to tank.
     Pump,
+    /// No oil: a force that somebody measures moves the mass, and only mechanics and sensing take part.
+    Force,
+}
+
+impl Source {
+    /// Its name in reports: `valve`, `pump` or `force`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Source::Valve => "valve",
+            Source::Pump => "pump",
+            Source::Force => "force",
+        }
+    }
+
+    /// Whether a drive of this kind has this link.
+    #[must_use]
+    pub const fn has(self, link: Link) -> bool {
+        match self {
+            Source::Valve => true,
+            Source::Pump => !matches!(link, Link::Valve),
+            Source::Force => matches!(link, Link::Mechanics | Link::Sensing),
+        }
+    }
 }
 
 /// SI parameters of one drive, over a real number type (`f64`, or a dual number for derivatives).
@@ -35,10 +61,12 @@ pub struct Machine<R> {
 }
 
 impl Machine<f64> {
-    /// A machine with every default; required parameters are NaN until they are set.
+    /// A machine with every default. Required parameters are NaN until they are set; where a force moves the mass, there are no areas and no volumes
+    /// instead: 0.
     #[must_use]
     pub fn with_defaults(source: Source) -> Self {
-        let mut machine = Self { source, values: [f64::NAN; Parameter::COUNT] };
+        let missing = if source == Source::Force { 0.0 } else { f64::NAN };
+        let mut machine = Self { source, values: [missing; Parameter::COUNT] };
         for &parameter in Parameter::ALL {
             if let Fallback::Value(value) = parameter.description().default {
                 machine.set(parameter, value);
@@ -114,12 +142,28 @@ impl<R: Real> Machine<R> {
 }
 
 impl Machine<f64> {
+    /// Whether the drive has this parameter: all but those of a link that it lacks, and areas only where there are any.
+    fn uses(&self, parameter: Parameter) -> bool {
+        let is_area = matches!(parameter, Parameter::AreaA | Parameter::AreaB);
+        self.source != Source::Force
+            || parameter.is_of(Source::Force)
+                && !(is_area && self.get(Parameter::AreaA).max(self.get(Parameter::AreaB)) <= 0.0)
+    }
+
+    /// The force that others on the rod are measured by, N: that of the supply pressure on side A. Where a force moves the mass, the one that brings
+    /// it to four strokes a second within 31 ms, against its weight and its viscous friction, or the default supply pressure on side A where that is
+    /// more.
+    #[must_use]
+    pub fn full_force_n(&self) -> f64 {
+        coefficients::bases::full_force_n(self)
+    }
+
     /// Checks every parameter that the drive uses against its range.
     ///
     /// # Errors
     /// The first parameter out of range, with its value and what was expected.
     pub fn check(&self) -> Result<(), MachineError> {
-        for &parameter in Parameter::ALL {
+        for &parameter in Parameter::ALL.iter().filter(|parameter| self.uses(**parameter)) {
             let description = parameter.description();
             let value = self.get(parameter);
             // NaN is in no range.
@@ -259,11 +303,12 @@ impl Tick {
     }
 }
 
-/// What 1 means, per quantity, in SI units. Flow and velocity belong together: flow 1 moves the piston's side A at velocity 1.
+/// What 1 means, per quantity, in SI units. Flow and velocity belong together: flow 1 moves the piston's side A at velocity 1. Where a force moves the
+/// mass, the piston is one on which pressure 1 makes force 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bases {
-    /// Pressure 1, Pa: the supply pressure.
+    /// Pressure 1, Pa: the supply pressure; its default where a force moves the mass.
     pub pressure_pa: f64,
     /// Velocity 1, m/s.
     pub velocity_m_per_s: f64,

@@ -3,6 +3,7 @@
 //! Reader, coefficient builder, fit and report all speak of parameters by [`Parameter`]; key, unit,
 //! admissible range and default stand here and, of the effects, in [their table](crate::effects), and nowhere else.
 
+use super::Source;
 use crate::effects::{Effect, effects};
 
 /// Value of a parameter that the machine file does not give.
@@ -183,6 +184,32 @@ impl Parameter {
         Parameter::TableValue19,
         Parameter::TableValue20,
     ];
+
+    /// Whether a drive with this source has a use for it. A cylinder's areas are optional where a force moves the mass: they turn recorded pressures
+    /// into that force.
+    #[must_use]
+    pub fn is_of(self, source: Source) -> bool {
+        let is_between = |first: Parameter, last: Parameter| (first..=last).contains(&self);
+        let is_of_pump = is_between(Parameter::PumpDisplacement, Parameter::ReturnCoefficient);
+        match source {
+            Source::Valve => !is_of_pump,
+            Source::Pump => !is_between(Parameter::ValveGain, Parameter::LaminarTransition),
+            Source::Force => self.effect().map_or_else(
+                || {
+                    self.is_of_mass()
+                        || is_between(Parameter::EncoderCounts, Parameter::LinkageAngleAtZero)
+                        || self >= Parameter::TableQuantity
+                },
+                Effect::acts_under_force,
+            ),
+        }
+    }
+
+    /// Whether it is a base parameter of the mass, or an area.
+    const fn is_of_mass(self) -> bool {
+        use Parameter::{AreaA, AreaB, LoadForce, MovingMass, Stroke, ViscousFriction};
+        matches!(self, AreaA | AreaB | Stroke | MovingMass | ViscousFriction | LoadForce)
+    }
 
     /// Whether it selects one of several cases, so that only whole numbers are valid.
     #[must_use]

@@ -82,7 +82,7 @@ fn is_there_anyway(question: &Question<'_>, chosen: &Candidate) -> bool {
 /// else.
 fn makes_up(question: &Question<'_>, chosen: &Candidate, estimates: &[Estimate]) -> bool {
     chosen.misses_by_more_than_noise(question)
-        && far_values(question.base_parameters, estimates).iter().any(|far| far.is_impossible)
+        && far_values(question.scene.machine, question.base_parameters, estimates).iter().any(|far| far.is_impossible)
 }
 
 /// Estimates of the chosen candidate model. Free runs do not show when a spool jumps. So the stiction parameters have no standard deviation where

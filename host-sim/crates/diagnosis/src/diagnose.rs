@@ -163,7 +163,7 @@ fn diagnosed(
         || (&selection.base, references.clone(), opened.clone()),
         |plain| (&plain.base, plain.trained.iter().collect(), plain.held.iter().collect()),
     );
-    let is_impossible = far_values(&moves.free, &estimates).iter().any(|far| far.is_impossible);
+    let is_impossible = far_values(&after.fit.machine, &moves.free, &estimates).iter().any(|far| far.is_impossible);
     let Ending { verdict, training_is_too_narrow } = match findings.as_slice() {
         [] => Ending::of_base(asked, plain_base, is_impossible, (&without, &held_without))?,
         _ => Ending::FOUND,

@@ -139,7 +139,7 @@ impl Diagnosis {
     /// Refitted base parameters far from where the machine file says they are.
     #[must_use]
     pub fn far_values(&self) -> Vec<FarValue> {
-        far_values(&self.base_parameters, &self.refitted)
+        far_values(&self.machine_after, &self.base_parameters, &self.refitted)
     }
 
     /// Base parameters that were refitted, without tolerances.

@@ -42,8 +42,10 @@ pub enum MachineFileError {
     TooManyEntries { place: Place, key: String, found: usize, most: usize },
     /// Both `[valve]` and `[pump]`.
     TwoSources { place: Place },
-    /// Neither `[valve]` nor `[pump]`.
+    /// Neither `[valve]` nor `[pump]` nor `[cylinder]`.
     NoSource { place: Place },
+    /// What takes no part in a machine with neither `[valve]` nor `[pump]`.
+    WithoutSource { place: Place, found: String },
     /// `[directional_valve]` in a drive without pump.
     DirectionalValveWithoutPump { place: Place },
     /// A text that is not one of the choices of its key.
@@ -82,6 +84,7 @@ impl Explained for MachineFileError {
             | E::TooManyEntries { place, .. }
             | E::TwoSources { place }
             | E::NoSource { place }
+            | E::WithoutSource { place, .. }
             | E::DirectionalValveWithoutPump { place }
             | E::UnknownChoice { place, .. }
             | E::UnknownSignal { place, .. }
@@ -111,7 +114,8 @@ impl Explained for MachineFileError {
             E::NotPositive { table, key, value, .. } => format!("`{key}` in [{table}] is {value:?}"),
             E::TooManyEntries { key, found, .. } => format!("`{key}` has {found} entries"),
             E::TwoSources { .. } => "both [valve] and [pump]".into(),
-            E::NoSource { .. } => "neither [valve] nor [pump]".into(),
+            E::NoSource { .. } => "neither [valve] nor [pump], and no [cylinder]".into(),
+            E::WithoutSource { found, .. } => format!("{found}, but neither [valve] nor [pump]"),
             E::DirectionalValveWithoutPump { .. } => "[directional_valve] in a drive without [pump]".into(),
             E::UnknownChoice { key, found, .. } => format!("`{key}` is {}", quoted(found)),
             E::UnknownSignal { found, .. } => format!("{} is not a known signal", quoted(found)),
@@ -163,9 +167,14 @@ impl Explained for MachineFileError {
             E::NotWhole { max, .. } => format!("a whole number from 0 to {max}"),
             E::NotPositive { .. } => "a positive number; a value that does not move is not listed".into(),
             E::TooManyEntries { most, .. } => format!("at most {most}"),
-            E::TwoSources { .. } | E::NoSource { .. } => {
-                "[valve] for a valve-controlled drive, or [pump] for a pump-controlled one".into()
-            }
+            E::TwoSources { .. } => "[valve] for a valve-controlled drive, or [pump] for a pump-controlled one".into(),
+            E::NoSource { .. } => "[valve] for a valve-controlled drive, [pump] for a pump-controlled one, or [cylinder] alone for a mass that a \
+                recorded force moves"
+                .into(),
+            E::WithoutSource { .. } => "[valve] or [pump] beside it: is one missing? A machine with neither is a mass that a recorded force moves: its \
+                file has [cylinder] (moving_mass_kg, viscous_friction_n_s_per_m, stroke_m, and both areas where the chamber pressures are that \
+                force), [load], [sensing], [linkage], and effects of the mechanics and of its sensors"
+                .into(),
             E::DirectionalValveWithoutPump { .. } => "[directional_valve] only beside [pump]".into(),
             E::UnknownChoice { choices, .. } => (*choices).to_owned(),
             E::UnknownSignal { nearest, .. } => format!("the name of a signal, perhaps `{nearest}`"),

@@ -62,20 +62,25 @@ pub fn effect_of(table: &str) -> Option<&str> {
     table.strip_prefix(EFFECTS)
 }
 
-/// Whether a table is meaningful for a drive with this source of oil.
+/// Whether a table is meaningful for a drive with this source.
 pub fn belongs(table: &str, source: Source) -> bool {
-    match table {
-        "valve" => source == Source::Valve,
-        "pump" | "directional_valve" => source == Source::Pump,
-        _ => true,
+    in_table(table).any(|(parameter, _)| parameter.is_of(source))
+}
+
+/// Whether the file of a drive with this source must give a parameter; one area, where it gives the other.
+pub(crate) fn is_required(parameter: Parameter, source: Source) -> bool {
+    match source {
+        Source::Force => matches!(parameter, Parameter::MovingMass | Parameter::ViscousFriction),
+        Source::Valve | Source::Pump => parameter.description().default == Fallback::Required,
     }
 }
 
-/// The value of a parameter that is not in the file; NaN for a required parameter.
+/// The value of a parameter that is not in the file; NaN for a required parameter, and 0 for areas and volumes that a drive does not have.
 pub(crate) fn fallback(parameter: Parameter, machine: &Machine<f64>) -> f64 {
     let half_stroke = |area| machine.get(area) * machine.get(Parameter::Stroke) / 2.0;
     match (parameter.description().default, parameter) {
         (Fallback::Value(value), _) => value,
+        _ if machine.source == Source::Force => 0.0,
         (Fallback::Required, _) => f64::NAN,
         (Fallback::HalfStrokeVolume, Parameter::VolumeA) => half_stroke(Parameter::AreaA),
         (Fallback::HalfStrokeVolume, _) => half_stroke(Parameter::AreaB),

@@ -13,6 +13,7 @@
 mod channels;
 pub mod data_sheet;
 mod error;
+mod force;
 pub mod keys;
 mod linkage;
 mod reader;

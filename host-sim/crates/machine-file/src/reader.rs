@@ -15,7 +15,7 @@ use recording::files::source_error::Place;
 use crate::error::MachineFileError;
 use crate::keys::{self, EFFECTS};
 use crate::linkage::{self, LINKAGE};
-use crate::{LoadSource, MachineFile};
+use crate::{LoadSource, MachineFile, force};
 
 /// Largest machine file, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
@@ -82,15 +82,16 @@ pub fn read_text(file: &str, text: &str) -> Result<MachineFile, MachineFileError
     reader.finish(document.as_table())
 }
 
-/// Whether the drive has a valve or a pump.
+/// Whether the drive has a valve or a pump, or neither.
 fn source_of(file: &str, text: &str, root: &dyn TableLike) -> Result<Source, MachineFileError> {
     let place = |key| span_of_key(root, key).map_or_else(|| Place::file(file), |span| Place::in_text(file, text, span));
     match (root.contains_key("valve"), root.contains_key("pump")) {
         (true, true) => Err(MachineFileError::TwoSources { place: place("pump") }),
-        (false, false) => Err(MachineFileError::NoSource { place: Place::file(file) }),
-        (true, false) if root.contains_key("directional_valve") => {
+        (_, false) if root.contains_key("directional_valve") => {
             Err(MachineFileError::DirectionalValveWithoutPump { place: place("directional_valve") })
         }
+        (false, false) if root.contains_key("cylinder") => Ok(Source::Force),
+        (false, false) => Err(MachineFileError::NoSource { place: Place::file(file) }),
         (true, false) => Ok(Source::Valve),
         (false, true) => Ok(Source::Pump),
     }
@@ -334,17 +335,22 @@ impl<'a> Reader<'a> {
     fn finish(mut self, root: &dyn TableLike) -> Result<MachineFile, MachineFileError> {
         let required: &[&'static str] = match self.result.machine.source {
             Source::Valve => &["supply", "cylinder"],
-            Source::Pump => &["cylinder"],
+            Source::Pump | Source::Force => &["cylinder"],
         };
         for &table in required {
             if !root.contains_key(table) {
                 return Err(MachineFileError::MissingTable { place: Place::file(self.file), table });
             }
         }
+        if self.result.machine.source == Source::Force {
+            force::takes_part(&self, root)?;
+        }
+        let has_area = [Parameter::AreaA, Parameter::AreaB].iter().any(|area| self.result.given.contains(area));
         for &parameter in Parameter::ALL {
             let what = parameter.description();
             let given = self.result.given.contains(&parameter);
-            if what.default == Fallback::Required && !given {
+            let needs_area = has_area && what.default == Fallback::Required;
+            if !given && (needs_area || keys::is_required(parameter, self.result.machine.source)) {
                 let place = self.key_place(root, keys::address(parameter).table);
                 let (key, unit, meaning) = (what.key, what.unit, what.meaning);
                 return Err(MachineFileError::MissingKey { place, key, unit, meaning });

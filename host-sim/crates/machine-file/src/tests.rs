@@ -23,6 +23,24 @@ area_b_m2 = 1.861e-3
 moving_mass_kg = 20
 "#;
 
+/// A mass that a recorded force moves.
+const AXIS: &str = r#"name = "axis"
+
+[cylinder]
+moving_mass_kg = 80.0
+viscous_friction_n_s_per_m = 250.0
+stroke_m = 0.3
+
+[load]
+force_n = -3.0
+
+[effects.coulomb-friction]
+force_n = 20.0
+
+[fit.sigma]
+"cylinder.moving_mass_kg" = 20.0
+"#;
+
 const PUMP: &str = "[pump]\n[cylinder]\narea_a_m2 = 1e-3\narea_b_m2 = 1e-3\n";
 
 fn parse(text: &str) -> Result<MachineFile, MachineFileError> {
@@ -109,10 +127,85 @@ fn what_must_be_there_is_asked_for() {
     let error = parse(&VALVE.replace("area_b_m2", "#")).unwrap_err();
     assert_eq!(error.place().line(), Some(12));
     assert_error!(error, MachineFileError::MissingKey { key: "cylinder.area_b_m2", .. });
-    assert_error!(parse("[cylinder]\n").unwrap_err(), MachineFileError::NoSource { .. });
+    assert_error!(parse("name = \"x\"\n").unwrap_err(), MachineFileError::NoSource { .. });
     assert_error!(parse(&format!("{VALVE}[pump]\n")).unwrap_err(), MachineFileError::TwoSources { .. });
     let lone = parse(&format!("{VALVE}[directional_valve]\n")).unwrap_err();
     assert_error!(lone, MachineFileError::DirectionalValveWithoutPump { .. });
+}
+
+#[test]
+#[expect(clippy::float_cmp, reason = "values come out as they stand in the text")]
+fn a_file_without_valve_and_pump_is_a_mass_that_a_recorded_force_moves() {
+    let file = parse(AXIS).unwrap();
+    assert_eq!(file.machine.source, Source::Force);
+    assert_eq!(file.machine.get(Parameter::ViscousFriction), 250.0);
+    assert_eq!([Parameter::AreaA, Parameter::AreaB, Parameter::VolumeA].map(|one| file.machine.get(one)), [0.0; 3]);
+    file.machine.check().unwrap();
+    // Both areas, or none: the pressures are the force.
+    let areas = "area_a_m2 = 2e-3\narea_b_m2 = 1e-3\n";
+    let driven = parse(&AXIS.replace("stroke_m", &format!("{areas}stroke_m"))).unwrap();
+    assert_eq!(driven.machine.get(Parameter::AreaB), 1e-3);
+    driven.machine.check().unwrap();
+    for (left, key) in [
+        ("moving_mass_kg = 80.0\n", "cylinder.moving_mass_kg"),
+        ("viscous_friction_n_s_per_m = 250.0\n", "cylinder.viscous_friction_n_s_per_m"),
+    ] {
+        let error = parse(&AXIS.replace(left, "")).unwrap_err();
+        assert!(matches!(error, MachineFileError::MissingKey { key: found, .. } if found == key), "{error}");
+    }
+    let one = parse(&AXIS.replace("stroke_m", "area_a_m2 = 2e-3\nstroke_m")).unwrap_err();
+    assert_error!(one, MachineFileError::MissingKey { key: "cylinder.area_b_m2", .. });
+}
+
+#[test]
+fn what_takes_no_part_in_a_mass_asks_whether_the_valve_is_missing() {
+    for (at, lines, found, line) in [
+        ("[load]", "[supply]\npressure_pa = 7e6\n", "[supply]", 8),
+        ("[load]", "[supply]\n\n", "[supply]", 8),
+        ("stroke_m", "volume_a_m3 = 1e-4\n", "`cylinder.volume_a_m3`", 6),
+        ("stroke_m", "bulk_modulus_pa = 1e9\n", "`cylinder.bulk_modulus_pa`", 6),
+        ("[load]", "[sensing]\nlvdt_counts_per_unit = 100\n", "`sensing.lvdt_counts_per_unit`", 9),
+        ("[load]", "[effects.internal-leakage]\nconductance_m3_per_s_pa = 1e-12\n", "[effects.internal-leakage]", 8),
+        ("[load]", "[effects.pressure-dependent-friction]\n", "[effects.pressure-dependent-friction]", 8),
+        ("\"cylinder", "\"valve.gain_per_v\" = 0.01\n", "`valve.gain_per_v` in [fit.sigma]", 15),
+        (
+            "[load]",
+            "[fit.tolerance]\n\"effects.internal-leakage.conductance_m3_per_s_pa\" = 1e-13\n",
+            "[fit.tolerance]",
+            9,
+        ),
+        ("force_n = -3.0", "source = \"recorded-pressures\"\n", "`load.source`", 8),
+        ("[load]", "[effects.unnamed]\nquantity = 2\nvalues = [1e-6]\n", "`effects.unnamed.quantity` is 2", 9),
+    ] {
+        let text = AXIS.replacen(at, &format!("{lines}{at}"), 1);
+        let error = parse(&text).unwrap_err();
+        let told = render(&error);
+        assert!(matches!(error, MachineFileError::WithoutSource { .. }) && told.contains(found), "{lines}: {told}");
+        assert!(told.contains("neither [valve] nor [pump]") && told.contains("is one missing?"), "{told}");
+        assert_eq!(error.place().line(), Some(line), "{told}");
+    }
+    // A typing error in the table's name is told as one.
+    let misspelt = parse(&VALVE.replace("[valve]", "[valves]")).unwrap_err();
+    assert_error!(misspelt, MachineFileError::UnknownTable { nearest: Some(_), .. });
+    let forgotten = parse(
+        &VALVE.replace("[valve]", "[sensing]").replace("gain_per_v", "#").replace("dead", "#").replace("time", "#"),
+    );
+    assert_error!(forgotten.unwrap_err(), MachineFileError::WithoutSource { .. });
+}
+
+#[test]
+fn a_mass_that_a_force_moves_is_written_as_it_is_read() {
+    let mut file = parse(AXIS).unwrap();
+    assert_eq!(file.to_text("axis.toml").unwrap(), AXIS);
+    file.machine.set(Parameter::MovingMass, 81.5);
+    assert_eq!(file.to_text("axis.toml").unwrap(), AXIS.replace("80.0", "81.5"));
+    // Made in the program, with a mass that is the default of other drives.
+    let mut machine = file.machine;
+    machine.set(Parameter::MovingMass, 20.0);
+    let made = MachineFile::from_machine("axis", machine);
+    let text = made.to_text("axis.toml").unwrap();
+    assert!(!text.contains("[supply]") && !text.contains("[valve]") && !text.contains("area"), "{text}");
+    assert_eq!(parse(&text).unwrap().machine, machine, "{text}");
 }
 
 #[test]

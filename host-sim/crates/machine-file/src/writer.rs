@@ -81,7 +81,8 @@ impl MachineFile {
                     stands.to_bits() != self.machine.get(parameter).to_bits()
                 };
                 let stands = before.is_some_and(|before| parameters.iter().any(|p| before.given.contains(p)));
-                let changed = parameters.iter().any(|&parameter| differs(parameter));
+                let is_asked = |&parameter: &Parameter| !stands && keys::is_required(parameter, self.machine.source);
+                let changed = parameters.iter().any(|parameter| differs(*parameter) || is_asked(parameter));
                 written |= stands || changed;
                 if changed || (listed && !stands) {
                     let numbers: Vec<Value> = parameters.iter().map(|&p| number(self.machine.get(p))).collect();

@@ -8,7 +8,7 @@
 use std::fmt::{self, Write};
 
 use machine_file::MachineFile;
-use machine_file::keys::{belongs, effect_of, table_of};
+use machine_file::keys::{effect_of, table_of};
 use model_core::machine::{Parameter, Source};
 
 use crate::rust::Constants;
@@ -30,17 +30,16 @@ impl Constants {
             "/* Constants of a drive, written by `host-sim export`: change the machine file and export again. SI units. */\n"
         )?;
         writeln!(out, "#ifndef DRIVE_CONSTANTS_H\n#define DRIVE_CONSTANTS_H\n")?;
-        let used = || Parameter::ALL.iter().filter(|&&parameter| belongs(table_of(parameter), self.machine.source));
+        let used = || Parameter::ALL.iter().filter(|&&parameter| parameter.is_of(self.machine.source));
         if used().any(|&parameter| self.machine.get(parameter).is_infinite()) {
             writeln!(out, "#include <math.h> /* INFINITY */\n")?;
         }
-        let (valve, pump) = match self.machine.source {
-            Source::Valve => (1, 0),
-            Source::Pump => (0, 1),
-        };
+        let is = |source| u8::from(self.machine.source == source);
         writeln!(out, "/* What the drive is called, UTF-8. */\n#define DRIVE_NAME {}", quoted(&self.name))?;
-        writeln!(out, "/* Where its oil comes from. */")?;
-        writeln!(out, "#define DRIVE_SOURCE_VALVE {valve}\n#define DRIVE_SOURCE_PUMP {pump}")?;
+        writeln!(out, "/* Where its oil comes from; none where a force moves the mass. */")?;
+        writeln!(out, "#define DRIVE_SOURCE_VALVE {}", is(Source::Valve))?;
+        writeln!(out, "#define DRIVE_SOURCE_PUMP {}", is(Source::Pump))?;
+        writeln!(out, "#define DRIVE_SOURCE_FORCE {}", is(Source::Force))?;
         writeln!(out, "/* Control period that the values were checked for, s. */")?;
         writeln!(out, "#define DRIVE_TICK_S {}", constant(self.tick.seconds()))?;
         writeln!(out, "/* Ticks of the shortest delay line that holds its delays: a power of two. */")?;

@@ -59,6 +59,7 @@ impl Constants {
         let source = match self.machine.source {
             Source::Valve => "Valve",
             Source::Pump => "Pump",
+            Source::Force => "Force",
         };
         let tick = match self.tick {
             Tick::HalfMillisecond => "HalfMillisecond",

@@ -6,7 +6,6 @@ use comfy_table::{CellAlignment, Table};
 use serde_json::{Value, json};
 
 use experiment::inspect::{InspectedColumn, Inspection, LinkTest, Reach};
-use model_core::machine::Source;
 use recording::display_unit::{TABLE, arrange, difference, significant};
 use recording::{Dimension, Signal, Unit};
 use simulation::InputPoint;
@@ -191,7 +190,7 @@ fn recording(found: &Inspection) -> Value {
         "recording": found.recording, "rows": found.rows, "duration_s": found.duration_s,
         "interval_s": found.stamps.interval_s, "rows_missing": found.stamps.lost, "intervals_uneven": found.stamps.uneven,
         "notes": found.notes, "ignored": found.ignored,
-        "source": match found.source { Source::Valve => "valve", Source::Pump => "pump" },
+        "source": found.source.name(),
         "channels": found.channels.iter().map(channel).collect::<Vec<_>>(),
         "links": found.links.iter().map(link).collect::<Vec<_>>(),
         "unseen": found.unseen.as_ref().map(|unseen| json!({

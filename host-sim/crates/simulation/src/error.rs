@@ -25,6 +25,15 @@ pub enum SimulateError {
         /// Why it is needed.
         reason: &'static str,
     },
+    /// Chamber pressures are to be the force, and the machine file has no areas.
+    #[error(
+        "{recording}: no column `force`, and the machine file has no areas; expected either: with `cylinder.area_a_m2` and `cylinder.area_b_m2` both \
+         chamber pressures are the force"
+    )]
+    NoAreas {
+        /// The recording.
+        recording: String,
+    },
     /// The recording is longer than the grid can hold.
     #[error(
         "{recording}: {} s, more than the simulation takes at a tick of {} ms; expected at most {} s",

@@ -1,7 +1,7 @@
 //! Initial state of a run: that of the recording, with the changes that a fit makes to it.
 
 use model_core::drive::{Drive, DriveState};
-use model_core::machine::{Bases, Machine, Parameter};
+use model_core::machine::{Bases, Machine, Parameter, Source};
 use model_core::number::{Real, Scalar};
 use model_core::ports::ChamberState;
 use model_core::valve::ValveState;
@@ -43,7 +43,11 @@ pub(crate) struct Offset<R> {
 }
 
 /// Initial pressures where the recording has none: from the level in B and the balance of forces, viscous friction and a measured load included.
+/// 0 where a force moves the mass.
 fn balanced<R: Real>(machine: &Machine<R>, level: R, position_m: R, start: &Start) -> (R, R) {
+    if machine.source == Source::Force {
+        return (R::ZERO, R::ZERO);
+    }
     let get = |parameter| machine.get(parameter);
     let force = around(machine, position_m, start);
     let supply = get(Parameter::SupplyPressure);

@@ -117,6 +117,8 @@ impl<'a> Beginning<'a> {
         let settling_s = delay_s + SETTLED * machine.spool_lag_s();
         let driving =
             recording.signal(if input_point == InputPoint::Pump { Signal::PumpSpeed } else { Signal::Command });
+        // No valve waits for a command that stands beside a force.
+        let driving = driving.filter(|_| machine.source != Source::Force);
         let changed = driving.and_then(|values| values.iter().position(|value| value.to_bits() != values[0].to_bits()));
         // What only sensors show may move the rod at once.
         let undisturbed_s = match (driving, changed) {
@@ -264,10 +266,14 @@ impl<'a> Beginning<'a> {
     }
 
     /// Whether a position's sensor with this noise shows that a rod begins with this velocity and not at rest: the oil springs make it
-    /// catch up within v/ω.
+    /// catch up within v/ω, and a mass without oil its viscous friction within v·m/D.
     fn shows(&self, velocity_m_per_s: f64, noise_m: f64) -> bool {
-        let frequency = (self.machine.oil_spring_n_per_m() / self.machine.get(Parameter::MovingMass)).sqrt();
-        velocity_m_per_s.abs() > noise_m * frequency
+        let mass_kg = self.machine.get(Parameter::MovingMass);
+        let per_s = match self.machine.source {
+            Source::Valve | Source::Pump => (self.machine.oil_spring_n_per_m() / mass_kg).sqrt(),
+            Source::Force => self.machine.get(Parameter::ViscousFriction) / mass_kg,
+        };
+        velocity_m_per_s.abs() > noise_m * per_s
     }
 }
 

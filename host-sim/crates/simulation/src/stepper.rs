@@ -14,7 +14,7 @@ use crate::recorded_start::Start;
 use crate::run::reading;
 use crate::stimulus::sign;
 
-/// Inputs that act on a drive over a tick, SI; a drive uses those that its source of oil needs.
+/// Inputs that act on a drive over a tick, SI; a drive uses those that its source needs. A mass that a force moves has `load_force_n` for it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Inputs {
     /// Command at the valve, V; positive extends.
@@ -129,6 +129,7 @@ impl<N: Scalar<Real = f64>> Stepped<N> {
         let drive_input = match self.machine.source {
             Source::Valve => DriveInput::Command(N::saturated(inputs.command_v / bases.command_v)),
             Source::Pump => DriveInput::Pump(self.pump(inputs)),
+            Source::Force => DriveInput::Force { from: N::ZERO, to: N::ZERO },
         };
         self.state.oil_temperature = N::saturated(inputs.oil_temperature_c / bases.temperature_c);
         self.drive.step(&mut self.state, drive_input, Load { from: load, to: load });
@@ -142,7 +143,12 @@ impl<N: Scalar<Real = f64>> Stepped<N> {
             let supply = self.state.supply.pressure;
             self.drive.flows_from(supply, spool(), self.pump(inputs), self.state.chambers).a
         };
-        if signal == Signal::Spool && self.machine.source == Source::Pump {
+        let is_there = match self.machine.source {
+            Source::Valve => true,
+            Source::Pump => signal != Signal::Spool,
+            Source::Force => matches!(signal, Signal::Velocity | Signal::Position),
+        };
+        if !is_there {
             return None;
         }
         reading(&self.drive, &self.machine, &self.state, signal, sensed, flow_a)
@@ -253,5 +259,26 @@ mod tests {
         let given = [Signal::PumpSpeed, Signal::ValveDirection];
         as_simulated(Arithmetic::Float, &machine, inputs, &given);
         as_simulated(Arithmetic::Fixed, &machine, inputs, &given);
+    }
+
+    /// Its force is the load, of which live and recorded inputs know one kind.
+    #[test]
+    fn a_mass_is_moved_live_by_its_load_and_shows_only_its_motion() {
+        let values = [(Parameter::MovingMass, 20.0), (Parameter::ViscousFriction, 50.0)];
+        let machine = Machine::with_defaults(Source::Force).with(&values);
+        let inputs = Inputs { load_force_n: 10.0, ..NOTHING };
+        for arithmetic in [Arithmetic::Fixed, Arithmetic::Float] {
+            let mut live = Live::new(&machine, TICK, &Start::at_rest(0.0, None, 0.15), arithmetic).unwrap();
+            for _ in 0..8000 {
+                live.step(&inputs);
+            }
+            let velocity = live.signal(Signal::Velocity, &inputs).unwrap();
+            assert!((velocity - 10.0 / 50.0).abs() < 1e-5, "{velocity}");
+            assert!(live.signal(Signal::Position, &inputs).is_some_and(|position| position > 1.0));
+            assert_eq!(
+                [Signal::PressureA, Signal::Spool, Signal::Flow].map(|one| live.signal(one, &inputs)),
+                [None; 3]
+            );
+        }
     }
 }

@@ -157,6 +157,8 @@ impl Physics {
                     ..=-1 => (-returned(state.pressure_a), -delivered),
                 }
             }
+            // No plant is made of such a machine.
+            Source::Force => (0.0.into(), 0.0.into()),
         }
     }
 

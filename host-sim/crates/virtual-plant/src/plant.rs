@@ -103,6 +103,9 @@ pub enum PlantError {
         /// The source the machine has.
         source_of_drive: Source,
     },
+    /// The plant is hydraulic.
+    #[error("a machine that a force moves; expected one with a valve or a pump")]
+    NoOil,
     /// A parameter that the plant needs is not a number.
     #[error("{} is {value}, expected a number within its range", parameter.description().key)]
     Parameter {
@@ -145,6 +148,9 @@ impl Plant {
     pub fn new(machine: &Machine<f64>, tolerance: f64) -> Result<Self, PlantError> {
         if !(TOLERANCES.0..=TOLERANCES.1).contains(&tolerance) {
             return Err(PlantError::Tolerance { found: tolerance });
+        }
+        if machine.source == Source::Force {
+            return Err(PlantError::NoOil);
         }
         for &parameter in Parameter::ALL {
             let value = machine.get(parameter);

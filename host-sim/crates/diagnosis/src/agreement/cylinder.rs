@@ -40,6 +40,9 @@ const ROWS_EACH: f64 = 25.0;
 /// Changes to try, the nearest cylinder first, and the signals that raise the doubt.
 pub(super) fn changes(machine: &Machine<f64>, recording: &Recording) -> (Vec<Vec<Change>>, Vec<Signal>) {
     let none = (Vec::new(), Vec::new());
+    if !has_areas(machine) {
+        return none;
+    }
     let stated = machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA);
     let Some((ratio, std)) = ratio(machine, recording) else { return none };
     let is_cylinder = (1.0 - RODS.end().powi(2) - NEAR..1.0).contains(&ratio);
@@ -53,10 +56,15 @@ pub(super) fn changes(machine: &Machine<f64>, recording: &Recording) -> (Vec<Vec
 pub(super) fn of_other_size(machine: &Machine<f64>, recordings: &[&Recording]) -> (Vec<Vec<Change>>, Vec<Signal>) {
     let signals = vec![Signal::PressureA, Signal::PressureB];
     let are_recorded = |recording: &&Recording| signals.iter().all(|signal| recording.has(*signal));
-    if !recordings.iter().all(are_recorded) {
+    if !has_areas(machine) || !recordings.iter().all(are_recorded) {
         return (Vec::new(), Vec::new());
     }
     (of_ratio(machine, machine.get(Parameter::AreaB) / machine.get(Parameter::AreaA)), signals)
+}
+
+/// A mass that a force moves has none, unless the pressures are that force.
+fn has_areas(machine: &Machine<f64>) -> bool {
+    machine.get(Parameter::AreaA).min(machine.get(Parameter::AreaB)) > 0.0
 }
 
 /// Cylinders with this ratio, the nearest to the file's first.

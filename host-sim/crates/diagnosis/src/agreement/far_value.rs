@@ -1,7 +1,7 @@
 //! Refitted values far from where the machine file says they are, or where no such drive has them.
 
 use identification::fit::{Estimate, Free};
-use model_core::machine::Parameter;
+use model_core::machine::{Machine, Parameter, Source};
 
 /// A value this many of its allowed standard deviations away is told: one in 400 is, where the machine file's doubts are right.
 const FAR_FROM: f64 = 3.0;
@@ -52,6 +52,8 @@ pub enum Cause {
     CommandUnit,
     /// The unit or scale of the pressures.
     PressureUnit,
+    /// The unit or scale of the force.
+    ForceUnit,
     /// Time stamps, or a filter behind a sensor.
     Times,
 }
@@ -59,7 +61,7 @@ pub enum Cause {
 /// The far ones of fitted values. A tolerance is not among them: it cannot be left ([`Tolerated`](super::Tolerated)). Nor is an amount that has changed:
 /// it is a finding.
 #[must_use]
-pub fn far_values(free: &[Free], estimates: &[Estimate]) -> Vec<FarValue> {
+pub fn far_values(machine: &Machine<f64>, free: &[Free], estimates: &[Estimate]) -> Vec<FarValue> {
     let far = |estimate: &Estimate| {
         let free = free.iter().find(|free| free.parameter == estimate.parameter && free.tolerance().is_none())?;
         let value = estimate.value;
@@ -70,7 +72,7 @@ pub fn far_values(free: &[Free], estimates: &[Estimate]) -> Vec<FarValue> {
         let is_determined = estimate.at_bound || sigmas * free.width(value) > DETERMINED * estimate.std;
         let is_impossible = is_impossible(free, value);
         let is_far = sigmas > FAR_FROM || (is_impossible && sigmas > 1.0);
-        let suggests = causes(estimate.parameter);
+        let suggests = causes(machine, estimate.parameter);
         (is_determined && is_far).then_some(FarValue {
             parameter: estimate.parameter,
             nominal: free.nominal(),
@@ -102,10 +104,14 @@ fn is_impossible(free: &Free, value: f64) -> bool {
 }
 
 /// What pulls a value away if it is wrong.
-fn causes(parameter: Parameter) -> &'static [Cause] {
+fn causes(machine: &Machine<f64>, parameter: Parameter) -> &'static [Cause] {
     use Cause as C;
     use Parameter as P;
+    let is_without_oil = machine.source == Source::Force && machine.get(P::AreaA) <= 0.0;
     match parameter {
+        P::ViscousFriction | P::MovingMass | P::LoadForce if is_without_oil => {
+            &[C::ForceUnit, C::Load, C::PositionUnit]
+        }
         P::BulkModulus => &[C::PositionUnit, C::Bore, C::Volume],
         P::ViscousFriction => &[C::Load, C::Bore, C::PositionUnit],
         P::MovingMass | P::LoadForce => &[C::Load, C::Bore, C::PressureUnit],
@@ -129,7 +135,7 @@ mod tests {
     fn far(parameter: Parameter, (nominal, sigma): (f64, f64), value: f64, std: f64) -> Option<FarValue> {
         let free = [Free { parameter, freedom: Freedom::Around { nominal, sigma } }];
         let estimate = Estimate { parameter, before: nominal, value, std, at_bound: false };
-        far_values(&free, &[estimate]).pop()
+        far_values(&Machine::with_defaults(Source::Valve), &free, &[estimate]).pop()
     }
 
     #[test]
@@ -157,7 +163,7 @@ mod tests {
         let roughly = |parameter, (nominal, sigma), value, std| {
             let free = Free::around(parameter, nominal, sigma);
             let estimate = Estimate { parameter, before: nominal, value, std, at_bound: false };
-            far_values(&[free], &[estimate]).pop()
+            far_values(&Machine::with_defaults(Source::Valve), &[free], &[estimate]).pop()
         };
         let bulk = |value, std| roughly(Parameter::BulkModulus, (1.2e9, 3.6e8), value, std);
         assert_eq!((bulk(1.8e9, 1e7), bulk(2.4e9, 1e9)), (None, None));

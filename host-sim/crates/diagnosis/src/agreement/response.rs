@@ -3,7 +3,7 @@
 use identification::compare::CompareError;
 use identification::experiment::Prepared;
 use machine_file::{LoadSource, MachineFile};
-use model_core::machine::{Machine, Parameter, Tick};
+use model_core::machine::{Machine, Parameter, Source, Tick};
 use recording::{Recording, Signal};
 use simulation::signal::noise::extent;
 use simulation::signal::slope::slopes;
@@ -111,7 +111,7 @@ impl Responses {
             }
             _ => f64::INFINITY,
         };
-        let largest_n = machine.get(Parameter::SupplyPressure) * machine.get(Parameter::AreaA);
+        let largest_n = machine.full_force_n();
         let (low, high) = recording.signal(Signal::LoadForce).map_or((0.0, 0.0), extent);
         Some(Self {
             input_point: case.stimulus.input_point,
@@ -168,6 +168,9 @@ pub(super) fn part(file: &MachineFile, recording: &Recording) -> Recording {
 fn needed(recording: &Recording, machine: &Machine<f64>) -> Vec<Change> {
     let pressures = [Signal::PressureA, Signal::PressureB].into_iter().filter_map(|signal| recording.signal(signal));
     let (_, high) = extent(pressures.flatten());
+    if machine.source == Source::Force {
+        return Vec::new();
+    }
     let share = high / machine.get(Parameter::SupplyPressure);
     let within = |factor: &f64| WITHIN_SUPPLY.contains(&(factor * share));
     if share <= BEYOND_SUPPLY {

@@ -226,7 +226,7 @@ fn trial(
         beyond_stroke: positions.flat_map(JudgedSignal::kept).map(beyond).fold(0.0, f64::max),
         changes: changes.to_vec(),
         fit_percent: 100.0 * (1.0 - mean_miss(&|signal| signals.contains(&signal))),
-        far: far_values(free, &found.estimates(1.0)),
+        far: far_values(machine, free, &found.estimates(1.0)),
         missed: mean_miss(&|_| true),
         pulled: found.coordinates.iter().map(|coordinate| coordinate * coordinate).sum(),
     }))

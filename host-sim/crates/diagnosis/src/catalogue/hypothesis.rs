@@ -4,7 +4,8 @@ use std::fmt;
 
 use identification::fit::Free;
 use machine_file::LoadSource;
-use model_core::machine::{Machine, Parameter};
+use model_core::effects::Effect;
+use model_core::machine::{Machine, Parameter, Source};
 use recording::Signal;
 use simulation::InputPoint;
 
@@ -145,10 +146,10 @@ impl Scene<'_> {
     }
 }
 
-/// The force of the full supply on side A, N.
+/// The force of the full supply on side A, N; see [`Machine::full_force_n`] for a mass that a force moves.
 #[must_use]
 pub fn full_force_n(machine: &Machine<f64>) -> f64 {
-    machine.get(Parameter::AreaA) * machine.get(Parameter::SupplyPressure)
+    machine.full_force_n()
 }
 
 /// The flow of a valve at full opening and full supply pressure, m³/s.
@@ -212,8 +213,19 @@ impl EffectParameter {
 /// and one with bristles, because recordings without pressures hardly show the bristles.
 pub(crate) const LUGRE: EffectParameter = EffectParameter {
     parameter: Parameter::PreslidingStiffness,
-    kind: Kind::Shape(|scene| (scene.machine.oil_spring_n_per_m(), 30.0 * scene.machine.oil_spring_n_per_m()), 1),
+    kind: Kind::Shape(|scene| (softest_bristles(scene.machine), 30.0 * softest_bristles(scene.machine)), 1),
 };
+
+/// The stiffness of bristles that are as soft as the oil, N/m; of a mass without oil, those that a friction of 2 % of the full force bends by 12 µm,
+/// as in a cylinder of 63 mm bore. Before rigid contacts slide they yield by 1 to 50 µm (Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994).
+pub(crate) fn softest_bristles(machine: &Machine<f64>) -> f64 {
+    const BENT_M: f64 = 12e-6;
+    const USUAL_FRICTION: f64 = 0.02;
+    match machine.source {
+        Source::Valve | Source::Pump => machine.oil_spring_n_per_m(),
+        Source::Force => USUAL_FRICTION * machine.full_force_n() / BENT_M,
+    }
+}
 
 /// The effect parameters of an effect that are fitted together; the others stay neutral.
 pub type Form = &'static [EffectParameter];
@@ -330,13 +342,20 @@ impl Hypothesis {
         (self.shows_in)(scene) && self.forms_in(scene).next().is_some()
     }
 
-    /// Whether the recordings come near the range in which it acts: a floor that no pressure reaches changes nothing.
+    /// Whether such a drive can have it: what a force moves has neither valve nor oil.
+    #[must_use]
+    pub fn is_of(&self, source: Source) -> bool {
+        source != Source::Force || Effect::named(self.name).is_none_or(Effect::acts_under_force)
+    }
+
+    /// Whether the drive can have it, and the recordings come near the range in which it acts: a floor that no pressure reaches changes nothing.
     #[must_use]
     pub fn is_reached(&self, scene: &Scene<'_>) -> bool {
-        self.effect_parameters().all(|effect_parameter| match effect_parameter.kind {
-            Kind::Floor(range, _) => scene.lowest_pa < range(scene).1,
-            _ => true,
-        })
+        self.is_of(scene.machine.source)
+            && self.effect_parameters().all(|effect_parameter| match effect_parameter.kind {
+                Kind::Floor(range, _) => scene.lowest_pa < range(scene).1,
+                _ => true,
+            })
     }
 
     /// Whether a machine already has it, beyond what is a tolerance among these base parameters.

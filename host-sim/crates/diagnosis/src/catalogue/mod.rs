@@ -39,7 +39,7 @@ mod valve_leakage;
 use model_core::machine::Parameter;
 
 pub(crate) use hypothesis::AMOUNT_KNOWN;
-use hypothesis::LUGRE;
+use hypothesis::{LUGRE, softest_bristles};
 
 pub use hypothesis::{
     EffectParameter, Extension, Form, Hypothesis, Kind, LookAlike, Scene, Subsystem, covered_by, full_flow_m3_per_s,

@@ -25,7 +25,7 @@
 use machine_file::LoadSource;
 use model_core::machine::Parameter;
 
-use super::{EffectParameter, Extension, Hypothesis, Kind, LookAlike, Subsystem};
+use super::{EffectParameter, Extension, Hypothesis, Kind, LookAlike, Subsystem, softest_bristles};
 
 pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     name: "presliding",
@@ -39,7 +39,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
         EffectParameter {
             parameter: Parameter::PreslidingStiffness,
             kind: Kind::Shape(
-                |scene| (1e-3 * scene.machine.oil_spring_n_per_m(), 0.1 * scene.machine.oil_spring_n_per_m()),
+                |scene| (1e-3 * softest_bristles(scene.machine), 0.1 * softest_bristles(scene.machine)),
                 3,
             ),
         },

@@ -172,7 +172,7 @@ fn solutions(question: &Question<'_>, selection: &Selection) -> Result<Vec<Solut
 fn unit(machine: &Machine<f64>, shape: &Shape) -> f64 {
     match shape {
         Shape::Structure { .. } => 0.05 * machine.get(Parameter::MovingMass),
-        _ => UNIT_SHARE * machine.get(Parameter::SupplyPressure) * machine.get(Parameter::AreaA),
+        _ => UNIT_SHARE * machine.full_force_n(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! What is worth a second look, or another recording. Sentences for it are formed by `report`.
 
 use diagnosis::agreement::Suspicion;
+use model_core::machine::Source;
 use recording::{Signal, Unit};
 
 /// One piece of advice.
@@ -48,6 +49,8 @@ pub enum Advice {
     LittleTravel,
     /// The rod never holds long enough to show leakage and drift.
     NeverHolds {
+        /// What moves the rod.
+        source: Source,
         /// How long it would have to, s.
         least_s: f64,
     },

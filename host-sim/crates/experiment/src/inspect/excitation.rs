@@ -70,7 +70,7 @@ impl Excited {
         Self { opened: opened(recording, machine), travelled: travelled(recording, machine) }
     }
 
-    pub(crate) fn advice(&self) -> Vec<Advice> {
+    pub(crate) fn advice(&self, source: Source) -> Vec<Advice> {
         let mut advice = Vec::new();
         if let Some(Opened { beyond: Some(beyond), by, .. }) = self.opened {
             match beyond {
@@ -92,7 +92,7 @@ impl Excited {
             advice.push(Advice::LittleTravel);
         }
         if travelled.held_s < HOLD_S {
-            advice.push(Advice::NeverHolds { least_s: HOLD_S });
+            advice.push(Advice::NeverHolds { source, least_s: HOLD_S });
         }
         advice
     }
@@ -227,6 +227,14 @@ mod tests {
     fn one_way_without_a_pause_is_found() {
         let found = advice(&recording(|_| 5.0, |time| 0.1 + 0.01 * time));
         let opens = Advice::OpensOneWay { by: Signal::Command, extending: true };
-        assert_eq!(found, [opens, Advice::MovesOneWay, Advice::LittleTravel, Advice::NeverHolds { least_s: 0.3 }]);
+        assert_eq!(
+            found,
+            [
+                opens,
+                Advice::MovesOneWay,
+                Advice::LittleTravel,
+                Advice::NeverHolds { source: Source::Valve, least_s: 0.3 }
+            ]
+        );
     }
 }

@@ -77,7 +77,7 @@ impl Inspection {
         let suspicions = file.map(|file| first_look(file, recording)).unwrap_or_default();
         advice.extend(suspicions.into_iter().filter(|suspicion| !is_explained(suspicion)).map(Advice::Agreement));
         advice.extend(doubts.into_iter().map(Advice::Unit));
-        advice.extend(excited.advice());
+        advice.extend(excited.advice(source));
         Self {
             recording: recording.name().to_owned(),
             rows: recording.rows(),
@@ -95,8 +95,17 @@ impl Inspection {
     }
 }
 
-/// A recording with a pump's speed and no valve belongs to a pump-controlled drive.
+/// A recording with a pump's speed and no valve belongs to a pump-controlled drive; one with a force and no sign of oil to a mass that the force moves.
 fn suggested(recording: &Recording) -> Source {
-    let has = |signal| recording.has(signal);
-    if has(Signal::PumpSpeed) && !has(Signal::Command) && !has(Signal::Spool) { Source::Pump } else { Source::Valve }
+    use Signal::{Command, Flow, Force, PressureA, PressureB, PumpSpeed, Spool, SupplyPressure};
+    let has = |signals: &[Signal]| signals.iter().any(|signal| recording.has(*signal));
+    if has(&[Command, Spool]) {
+        Source::Valve
+    } else if has(&[PumpSpeed]) {
+        Source::Pump
+    } else if has(&[Force]) && !has(&[Flow, PressureA, PressureB, SupplyPressure]) {
+        Source::Force
+    } else {
+        Source::Valve
+    }
 }

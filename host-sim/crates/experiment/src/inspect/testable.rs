@@ -51,12 +51,20 @@ use Signal::{Command, Flow, Force, Position, PressureA, PressureB, PumpSpeed, Sp
 /// Signals that may be added to a recording, the most usual first.
 const ENOUGH: [Signal; 6] = [Command, Spool, PumpSpeed, Position, PressureA, PressureB];
 
+const MOTION: &[Signal] = &[Position, Velocity];
+
+/// What moves from a force on.
+fn by_force() -> Vec<Way> {
+    let by = |needs| Way { input_point: InputPoint::Force, needs, judged: MOTION };
+    vec![by(&[PressureA, PressureB, Position]), by(&[Force, Position])]
+}
+
 fn ways(link: Subsystem, source: Source) -> Vec<Way> {
-    const MOTION: &[Signal] = &[Position, Velocity];
     const PRESSURES: &[Signal] = &[PressureA, PressureB];
     let way = |input_point, needs, judged| Way { input_point, needs, judged };
-    // A pump's speed replaces the spool.
+    // A pump's speed replaces the spool, and a force all above it.
     let (feed, with_pressures): (InputPoint, &'static [Signal]) = match source {
+        Source::Force => return by_force(),
         Source::Valve => (InputPoint::Spool, &[Spool, PressureA, PressureB, Position]),
         Source::Pump => (InputPoint::Pump, &[PumpSpeed, PressureA, PressureB, Position]),
     };
@@ -68,18 +76,19 @@ fn ways(link: Subsystem, source: Source) -> Vec<Way> {
             way(feed, with_pressures, PRESSURES),
             way(InputPoint::Flow, &[Flow, PressureA, PressureB, Position], PRESSURES),
         ],
-        Subsystem::Mechanics => vec![
-            way(InputPoint::Force, &[PressureA, PressureB, Position], MOTION),
-            way(InputPoint::Force, &[Force, Position], MOTION),
-        ],
+        Subsystem::Mechanics => by_force(),
     }
 }
 
-/// Every link of a drive with this source of oil, in the model's order, and how well the signals test it.
+/// Every link of a drive with this source, in the model's order, and how well the signals test it.
 #[must_use]
 pub(crate) fn links(source: Source, has: impl Fn(Signal) -> bool) -> Vec<LinkTest> {
     let all = [Subsystem::Valve, Subsystem::Flow, Subsystem::Chambers, Subsystem::Mechanics, Subsystem::Sensing];
-    let of_drive = all.into_iter().filter(|link| source == Source::Valve || *link != Subsystem::Valve);
+    let of_drive = all.into_iter().filter(|link| match source {
+        Source::Valve => true,
+        Source::Pump => *link != Subsystem::Valve,
+        Source::Force => matches!(link, Subsystem::Mechanics | Subsystem::Sensing),
+    });
     of_drive.map(|link| tested(link, source, &has)).collect()
 }
 
@@ -108,6 +117,8 @@ fn together(link: Subsystem, source: Source, has: &impl Fn(Signal) -> bool) -> R
     let input_points = match source {
         Source::Valve => &[(InputPoint::Command, Command), (InputPoint::Spool, Spool), (InputPoint::Flow, Flow)][..],
         Source::Pump => &[(InputPoint::Pump, PumpSpeed), (InputPoint::Flow, Flow)],
+        // Whatever is measured of a mass and its force tests the mass alone.
+        Source::Force => &[],
     };
     let Some((input_point, _)) = input_points.iter().find(|(_, signal)| has(*signal)) else { return Reach::No };
     let (above, below): (&[InputPoint], &[Signal]) = match link {
@@ -190,6 +201,15 @@ mod tests {
     fn a_command_alone_tests_nothing() {
         let found = reached(&[Command], Source::Valve);
         assert!(found.iter().all(|(_, reach, missing)| *reach == "no" && !missing.is_empty()), "{found:?}");
+    }
+
+    #[test]
+    fn a_mass_that_a_force_moves_has_neither_valve_nor_oil_to_test() {
+        let links = [Subsystem::Mechanics, Subsystem::Sensing];
+        for by in [&[Force, Velocity][..], &[PressureA, PressureB, Position], &[Force, PressureA, Position]] {
+            assert_eq!(reached(by, Source::Force), links.map(|link| (link, "alone", vec![])));
+        }
+        assert_eq!(reached(&[Position, Command], Source::Force), links.map(|link| (link, "no", vec![Force])));
     }
 
     #[test]

@@ -58,6 +58,9 @@ fn position_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<UnitD
 }
 
 fn pressure_doubt(column: &Column, machine: &Machine<f64>) -> Option<UnitDoubt> {
+    if machine.source == Source::Force {
+        return None;
+    }
     let supply = machine.get(Parameter::SupplyPressure);
     let (least, most) = (LEAST_SUPPLIES * supply, MOST_SUPPLIES * supply);
     let high = extent(&column.values).1;
@@ -80,7 +83,7 @@ fn beyond(column: &Column, bound: Bound, (least, most): (f64, f64)) -> UnitDoubt
 
 /// Whether the speed of the rod agrees roughly with the opening of the valve.
 fn speed_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<UnitDoubt> {
-    if machine.source == Source::Pump {
+    if machine.source != Source::Valve {
         return None;
     }
     let (time_s, position) = (recording.time_s(), recording.signal(Signal::Position)?);

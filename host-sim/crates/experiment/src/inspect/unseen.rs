@@ -31,7 +31,8 @@ impl Unseen {
         };
         // Below a measured force neither valve nor oil takes part.
         let upstream = [Signal::Command, Signal::Spool, Signal::PumpSpeed, Signal::Flow];
-        let machine = machine.filter(|_| upstream.into_iter().any(|signal| recording.has(signal)));
+        let has_oil = |machine: &&Machine<f64>| machine.source != Source::Force;
+        let machine = machine.filter(has_oil).filter(|_| upstream.into_iter().any(|signal| recording.has(signal)));
         let valve_s = machine.and_then(of_valve).filter(|lag_s| *lag_s < 2.0 * row_s);
         let oil_column_hz = machine.map(oil_column_hz).filter(|hz| hz.is_finite() && *hz > fastest_hz);
         Some(Self { row_s, fastest_hz, valve_s, oil_column_hz })

@@ -53,10 +53,10 @@ pub struct Planned<'a> {
 pub enum PlanError {
     /// The drive has no valve that could be commanded.
     #[error(
-        "a drive whose oil comes from {source_of_drive:?}; expected one with a valve: the standard tests are commands to it"
+        "a drive that a {} moves; expected one with a valve: the standard tests are commands to it", .source_of_drive.name()
     )]
     NeedsValve {
-        /// Where its oil comes from.
+        /// What moves it.
         source_of_drive: Source,
     },
     /// No sensor is given.

@@ -267,6 +267,7 @@ fn plans(source: Source, load: LoadSource, recording: &Recording) -> Result<Vec<
     let feed = match source {
         Source::Valve => has(Signal::Spool).then_some(InputPoint::Spool),
         Source::Pump => has(Signal::PumpSpeed).then_some(InputPoint::Pump),
+        Source::Force => None,
     };
     let mut plans = vec![PlannedSection { section: Section::EndToEnd, input_point: first, load, judged: all }];
     let mut add = |section, input_point, load, judged: Vec<Signal>| {

@@ -22,9 +22,5 @@ pub use variable::{Role, Variable};
 /// What the description and the library must agree on: the library's version and the list of variables.
 #[must_use]
 pub fn token(source: Source) -> String {
-    let source = match source {
-        Source::Valve => "valve",
-        Source::Pump => "pump",
-    };
-    format!("drive-fmu/{}/{source}", env!("CARGO_PKG_VERSION"))
+    format!("drive-fmu/{}/{}", env!("CARGO_PKG_VERSION"), source.name())
 }

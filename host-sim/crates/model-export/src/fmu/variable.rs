@@ -69,11 +69,12 @@ impl Variable {
         Variable::Force,
     ];
 
-    /// The variables of a drive with this source of oil.
+    /// The variables of a drive with this source. A mass that a force moves has `load_force` for it.
     pub fn of(source: Source) -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(move |variable| match variable {
             Variable::Command | Variable::Spool => source == Source::Valve,
             Variable::PumpSpeed | Variable::ValveDirection => source == Source::Pump,
+            Variable::PressureA | Variable::PressureB | Variable::Flow | Variable::Force => source != Source::Force,
             _ => true,
         })
     }
@@ -224,6 +225,12 @@ mod tests {
             assert_eq!(variable.start(&press(&[])).is_some(), given, "{variable:?}");
         }
         assert_eq!(Variable::PositionAtStart.start(&press(&[(Parameter::Stroke, 0.3)])), Some(0.15));
+    }
+
+    #[test]
+    fn a_mass_has_its_force_in_the_load_and_no_oil() {
+        let names: Vec<&str> = Variable::of(Source::Force).map(Variable::name).collect();
+        assert_eq!(names, ["time", "load_force", "oil_temperature", "position_at_start", "position", "velocity"]);
     }
 
     #[test]

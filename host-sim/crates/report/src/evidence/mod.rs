@@ -18,7 +18,7 @@ use whiteness::{Whiteness, whiteness};
 use diagnosis::{Diagnosis, Finding};
 use experiment::discriminate::{Separation, separations};
 use machine_file::MachineFile;
-use model_core::machine::MachineError;
+use model_core::machine::{MachineError, Source};
 use recording::Recording;
 
 use crate::plot::{Cells, Rows};
@@ -80,7 +80,8 @@ impl Exhibits {
     /// The test that separates a finding from its look-alikes: from its most probable rival, or the catalogue's test where no rival
     /// was simulated.
     #[must_use]
-    pub fn separated_by(&self, finding: &Finding) -> String {
-        self.rivals(finding).next().map_or_else(|| finding.effect.separated_by.to_owned(), crate::wording::advice)
+    pub fn separated_by(&self, finding: &Finding, source: Source) -> String {
+        let by_catalogue = || crate::wording::separated_by(finding.effect, source).into_owned();
+        self.rivals(finding).next().map_or_else(by_catalogue, crate::wording::advice)
     }
 }

@@ -8,6 +8,7 @@ use diagnosis::catalogue::short_name;
 use diagnosis::selection::Confirmation;
 use diagnosis::{Diagnosis, Finding, Verdict};
 use experiment::discriminate::Separation;
+use model_core::machine::Source;
 use recording::display_unit::significant;
 
 use super::chart::chart;
@@ -46,9 +47,9 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
                     // The first picture of all is at the top of the page.
                     @if index > 0 || number > 0 { (chart(&picture.figure)) p class="soft" { (picture.caption) } }
                 }
-                @if !finding.effect.look_alikes.is_empty() {
+                @if wording::look_alikes(finding.effect, diagnosis.machine_after.source).next().is_some() {
                     h3 { "What looks alike" }
-                    ul { @for other in finding.effect.look_alikes { li { (other.effect) ": " (other.told_apart_by) "." } } }
+                    ul { @for (other, test) in wording::look_alikes(finding.effect, diagnosis.machine_after.source) { li { (other) ": " (test) "." } } }
                 }
                 p class="soft" { "Source: " (finding.effect.source) "." }
             }
@@ -79,7 +80,7 @@ pub(crate) fn how_sure(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
     html! {
         section {
             h2 { "How sure" }
-            @for finding in &diagnosis.findings { (sureness(finding, exhibits)) }
+            @for finding in &diagnosis.findings { (sureness(finding, exhibits, diagnosis.machine_after.source)) }
             @if let Some(confirmation) = &diagnosis.confirmation {
                 p { "Held-out recordings, opened after the choice: better on " (confirmation.improved) " of " (confirmation.recordings) "." }
                 p { (kept(confirmation)) }
@@ -110,7 +111,7 @@ pub(crate) fn how_sure(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
 }
 
 /// A finding's probability, and the test that would settle it.
-fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
+fn sureness(finding: &Finding, exhibits: &Exhibits, source: Source) -> Markup {
     let rivals: Vec<&Separation> = exhibits.rivals(finding).collect();
     html! {
         p { strong { (finding.effect.name) } ": confidence " (significant(finding.confidence, 3)) " among the effects tried."
@@ -126,7 +127,7 @@ fn sureness(finding: &Finding, exhibits: &Exhibits) -> Markup {
             p { "Evidence: " (wording::jumps(jumps)) "." }
         }
         @if rivals.is_empty() {
-            p { "To be sure: " (finding.effect.separated_by) "." }
+            p { "To be sure: " (exhibits.separated_by(finding, source)) "." }
         } @else {
             table {
                 tr { th { "against" } th class="text" { "test with the channels at hand" } th { "distance" } th class="text" { "with one more sensor" } }

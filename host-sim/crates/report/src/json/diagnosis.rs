@@ -310,7 +310,7 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
             "holdout_fit_after": rounded(&diagnosis.mean_fits(true, true)),
         },
         "alternatives": alternatives,
-        "separated_by": exhibits.separated_by(finding),
+        "separated_by": exhibits.separated_by(finding, diagnosis.machine_after.source),
         "separation": evidence::separation(exhibits, finding),
     });
     if let Some((estimate, before)) = wording::most_changed(finding) {

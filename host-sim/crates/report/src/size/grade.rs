@@ -66,7 +66,7 @@ impl Grade {
             | P::AsymmetricExtending
             | P::AsymmetricRetracting
             | P::PositionFriction
-            | P::PreslidingForce => Some(FRICTION.grade(drive.of_full_force(value), Grade::Jammed)),
+            | P::PreslidingForce => drive.of_full_force(value).map(|share| FRICTION.grade(share, Grade::Jammed)),
             P::InternalLeakage | P::ExternalLeakageA | P::ExternalLeakageB => {
                 Some(LEAKAGE.grade(drive.of_full_flow(value * drive.supply_pa()), Grade::Worn))
             }

@@ -72,12 +72,14 @@ impl Drive<'_> {
         match self.machine.source {
             Source::Valve => full_flow_m3_per_s(self.machine),
             Source::Pump => PUMP_REV_PER_S * self.get(Parameter::PumpDisplacement),
+            // Nothing flows.
+            Source::Force => f64::INFINITY,
         }
     }
 
-    /// A force as a share of full force.
-    fn of_full_force(&self, force_n: f64) -> f64 {
-        force_n.abs() / full_force_n(self.machine)
+    /// A force as a share of the oil's full force; `None` where no oil moves the mass.
+    fn of_full_force(&self, force_n: f64) -> Option<f64> {
+        (self.machine.source != Source::Force).then(|| force_n.abs() / full_force_n(self.machine))
     }
 
     /// A flow as a share of full flow.

@@ -222,7 +222,8 @@ fn force(drive: &Drive<'_>, newton: f64, where_to: &str) -> (String, String) {
     let size = newton.abs();
     let amount =
         if size < 1e4 { format!("{} N", significant(size, 3)) } else { format!("{} kN", significant(1e-3 * size, 3)) };
-    (amount, format!("{where_to}, {} of full force", percent(drive.of_full_force(newton))))
+    let share = drive.of_full_force(newton).map(|share| format!(", {} of full force", percent(share)));
+    (amount, format!("{where_to}{}", share.unwrap_or_default()))
 }
 
 fn bar(pa: f64) -> String {

@@ -69,7 +69,8 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
         }
         let mut rivals = exhibits.rivals(finding).peekable();
         if rivals.peek().is_none() {
-            let _ = writeln!(text, "to be sure {}", finding.effect.separated_by);
+            let _ =
+                writeln!(text, "to be sure {}", wording::separated_by(finding.effect, diagnosis.machine_after.source));
         }
         for rival in rivals {
             let _ = writeln!(text, "to exclude {}: {}", rival.rival, wording::advice(rival));

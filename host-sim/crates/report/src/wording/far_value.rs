@@ -44,6 +44,7 @@ fn cause_of(cause: Cause) -> &'static str {
         Cause::PositionUnit => "the unit of position",
         Cause::CommandUnit => "the unit of the command",
         Cause::PressureUnit => "the unit of the pressures",
+        Cause::ForceUnit => "the unit of the force",
         Cause::Times => "the time stamps, and filters behind the sensors",
     }
 }

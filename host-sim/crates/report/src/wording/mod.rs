@@ -11,6 +11,7 @@ mod outside;
 mod recordings;
 mod still_moving;
 mod structure;
+mod tests_to_make;
 mod tolerance;
 mod unit;
 
@@ -25,5 +26,6 @@ pub use outside::{outside_cause, outside_explains, outside_kind};
 pub use recordings::{range_end, recording_advice, taken_as_absolute, unseen, unsettled};
 pub use still_moving::still_moving;
 pub use structure::{shown, structure, structure_shown, yardstick};
+pub use tests_to_make::{look_alikes, separated_by};
 pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
 pub use unit::unit_doubt;

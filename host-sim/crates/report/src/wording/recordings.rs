@@ -2,6 +2,7 @@
 
 use diagnosis::agreement::Suspicion;
 use experiment::inspect::{Advice, Unseen};
+use model_core::machine::Source;
 use recording::display_unit::{significant, unit_for_people};
 use recording::{Note, Signal};
 
@@ -73,7 +74,10 @@ pub fn recording_advice(advice: &Advice) -> String {
         Advice::LittleTravel => {
             "the rod covers little of its stroke: what depends on the position does not show".to_owned()
         }
-        Advice::NeverHolds { least_s } => format!(
+        Advice::NeverHolds { source: Source::Force, least_s } => {
+            format!("it never holds for {least_s} s; a pause shows friction at rest")
+        }
+        Advice::NeverHolds { least_s, .. } => format!(
             "the rod never holds for {least_s} s; a pause with the valve closed shows leakage, drift and friction at rest"
         ),
     }
@@ -117,7 +121,14 @@ mod tests {
             (Advice::OpensOneWay { by: Signal::Command, extending: true }, "opens to extend only"),
             (Advice::MovesOneWay, "one way only"),
             (Advice::LittleTravel, "little of its stroke"),
-            (Advice::NeverHolds { least_s: 0.3 }, "never holds for 0.3 s"),
+            (
+                Advice::NeverHolds { source: Source::Valve, least_s: 0.3 },
+                "never holds for 0.3 s; a pause with the valve closed",
+            ),
+            (
+                Advice::NeverHolds { source: Source::Force, least_s: 0.3 },
+                "never holds for 0.3 s; a pause shows friction",
+            ),
         ] {
             let said = recording_advice(&advice);
             assert!(said.contains(part), "{part}: {said}");

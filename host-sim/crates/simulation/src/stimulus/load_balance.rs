@@ -19,6 +19,9 @@ pub(crate) fn pressure_force(recording: &Recording, machine: &Machine<f64>) -> R
     };
     let (area_a, area_b) = (machine.get(Parameter::AreaA), machine.get(Parameter::AreaB));
     let (a, b) = (need(Signal::PressureA)?, need(Signal::PressureB)?);
+    if area_a.max(area_b) <= 0.0 {
+        return Err(SimulateError::NoAreas { recording: recording.name().to_owned() });
+    }
     let force =
         |(a, b): (&f64, &f64)| area_a * behind(machine, PRESSURE_A, *a) - area_b * behind(machine, PRESSURE_B, *b);
     Ok(a.iter().zip(b).map(force).collect())

@@ -72,7 +72,7 @@ pub struct Stimulus {
     pub(crate) whitening: Option<Whitening>,
 }
 
-/// The drive input furthest upstream that a recording allows for a machine's oil source. Where nothing else drives it, both chamber pressures are the force.
+/// The drive input furthest upstream that a recording allows for a machine's source. Where nothing else drives it, both chamber pressures are the force.
 pub fn first_input_point(source: Source, recording: &Recording) -> Result<InputPoint, SimulateError> {
     let has = |signal| recording.has(signal);
     let has_force = has(Signal::Force) || (has(Signal::PressureA) && has(Signal::PressureB));
@@ -88,10 +88,12 @@ pub fn first_input_point(source: Source, recording: &Recording) -> Result<InputP
             (InputPoint::Flow, has(Signal::Flow)),
             (InputPoint::Force, has_force),
         ],
+        Source::Force => &[(InputPoint::Force, has_force)],
     };
     let expected = match source {
         Source::Valve => "command, spool, flow, force or both chamber pressures",
         Source::Pump => "pump_speed, flow, force or both chamber pressures",
+        Source::Force => "force or both chamber pressures, for the machine file has neither [valve] nor [pump]",
     };
     let found = candidates.iter().find(|(_, there)| *there).map(|(input_point, _)| *input_point);
     found.ok_or_else(|| SimulateError::NoInput { recording: recording.name().to_owned(), expected })

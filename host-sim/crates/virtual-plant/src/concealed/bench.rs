@@ -210,7 +210,7 @@ fn held_before<T: Copy>(commands: &[T], rows: usize) -> Vec<T> {
 /// At rest; in a pump drive the chambers are near the tank's pressure, in a valve drive at half the supply pressure.
 fn resting(machine: &Machine<f64>, position_m: f64) -> InitialState {
     match machine.source {
-        Source::Valve => InitialState::at_rest(machine, position_m),
+        Source::Valve | Source::Force => InitialState::at_rest(machine, position_m),
         Source::Pump => InitialState::at_rest_with_level(machine, position_m, 2.0e6),
     }
 }
