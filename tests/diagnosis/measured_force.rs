@@ -95,6 +95,15 @@ fn found(diagnosis: &Diagnosis) -> (Vec<&'static str>, [f64; 3]) {
     (diagnosis.findings.iter().map(|finding| finding.effect.name).collect(), values)
 }
 
+/// Standard deviations of dry friction, viscous friction and mass.
+fn deviations(diagnosis: &Diagnosis) -> [f64; 3] {
+    let estimates =
+        || diagnosis.refitted.iter().chain(diagnosis.findings.iter().flat_map(|finding| &finding.parameters));
+    let of =
+        |parameter| estimates().find(|estimate| estimate.parameter == parameter).map_or(0.0, |estimate| estimate.std);
+    [Parameter::CoulombFriction, Parameter::ViscousFriction, Parameter::MovingMass].map(of)
+}
+
 const RUBS: Axis = Axis { mass_kg: 90.0, viscous_n_s_per_m: 210.0, coulomb_n: 22.0, rough_n: 1.5, seed: 5 };
 
 #[test]
@@ -105,8 +114,11 @@ fn dry_friction_of_a_rough_guide_is_told_from_position_velocity_or_both_and_from
         let (names, found) = found(&diagnosis);
         println!("{judged:?}, {guessed} N s/m: {names:?}, {found:.1?}");
         assert_eq!(names, ["coulomb-friction"], "{judged:?}");
-        for (found, truth) in found.into_iter().zip([RUBS.coulomb_n, RUBS.viscous_n_s_per_m, RUBS.mass_kg]) {
-            assert!((found / truth - 1.0).abs() < 0.06, "{judged:?}, {guessed} N s/m: {found} instead of {truth}");
+        // Both frictions trade against each other: where the recordings leave more open, within two standard deviations.
+        let truths = [RUBS.coulomb_n, RUBS.viscous_n_s_per_m, RUBS.mass_kg];
+        for ((found, truth), std) in found.into_iter().zip(truths).zip(deviations(&diagnosis)) {
+            let most = (0.06 * truth).max(2.0 * std);
+            assert!((found - truth).abs() < most, "{judged:?}, {guessed} N s/m: {found} ± {std} instead of {truth}");
         }
     }
 }
@@ -161,22 +173,22 @@ fn a_valve_that_takes_no_part_and_pressures_in_place_of_the_force_change_no_answ
         const PRESSURE_B_PA: f64 = 2e6;
         let force = recording.signal(Signal::Force).unwrap();
         let pressure_a = force.iter().map(|force_n| (force_n + 8e-4 * PRESSURE_B_PA) / 1e-3).collect();
-        let mut columns = vec![Column::si(Signal::PressureA, pressure_a)];
-        columns.push(Column::si(Signal::PressureB, vec![PRESSURE_B_PA; force.len()]));
-        for signal in [Signal::Time, Signal::Position] {
-            columns.push(Column::si(signal, recording.signal(signal).unwrap().to_vec()));
-        }
-        Recording::new(recording.name(), columns).unwrap()
+        let as_recorded = |signal| Column::si(signal, recording.signal(signal).unwrap().to_vec());
+        let pressure_b = vec![PRESSURE_B_PA; force.len()];
+        let pressures = [Column::si(Signal::PressureA, pressure_a), Column::si(Signal::PressureB, pressure_b)];
+        let columns = [as_recorded(Signal::Time)].into_iter().chain(pressures).chain([as_recorded(Signal::Position)]);
+        Recording::new(recording.name(), columns.collect()).unwrap()
     };
-    let alone = found(&diagnose(&read(&sheet()), &training, &held_out, None, &|_| {}).unwrap());
+    let diagnosis = diagnose(&read(&sheet()), &training, &held_out, None, &|_| {}).unwrap();
+    let (alone, deviations) = (found(&diagnosis), deviations(&diagnosis));
     let beside = found(&diagnose(&read(&hydraulic), &training, &held_out, None, &|_| {}).unwrap());
     let [training, held_out] = [training, held_out].map(|recordings| recordings.map(|one| by_pressures(&one)));
     let pressures = found(&diagnose(&read(&with_areas), &training, &held_out, None, &|_| {}).unwrap());
     println!("{alone:.3?}, {beside:.3?}, {pressures:.3?}");
     for (names, values) in [beside, pressures] {
         assert_eq!(names, ["coulomb-friction"]);
-        for (value, expected) in values.into_iter().zip(alone.1) {
-            assert!((value / expected - 1.0).abs() < 0.02, "{value} instead of {expected}");
+        for ((value, expected), std) in values.into_iter().zip(alone.1).zip(deviations) {
+            assert!((value - expected).abs() < std, "{value} instead of {expected} ± {std}");
         }
     }
     // Pressures without areas are no force.
