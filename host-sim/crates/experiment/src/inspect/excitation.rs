@@ -189,7 +189,7 @@ mod tests {
 
     fn advice(recording: &Recording) -> Vec<Advice> {
         let machine = test_press::press(&[(Parameter::DeadZone, 0.1), (Parameter::ValveOffset, 0.0)]);
-        Excited::of(recording, Some(&machine)).advice()
+        Excited::of(recording, Some(&machine)).advice(machine.source)
     }
 
     #[test]
