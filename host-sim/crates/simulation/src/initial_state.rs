@@ -141,7 +141,8 @@ impl<R: Real> InitialState<R> {
         } else {
             R::ZERO
         };
-        let fallen = machine.get(Parameter::DroopResistance) * constant(start.other_flow_m3_per_s);
+        let taken = if machine.source == Source::Valve { start.other_flow_m3_per_s } else { 0.0 };
+        let fallen = machine.get(Parameter::DroopResistance) * constant(taken);
         let fallen = limited(fallen, R::ZERO, machine.get(Parameter::SupplyPressure));
         Self {
             bristles,

@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn a_mass_has_its_force_in_the_load_and_no_oil() {
         let names: Vec<&str> = Variable::of(Source::Force).map(Variable::name).collect();
-        assert_eq!(names, ["time", "load_force", "oil_temperature", "position_at_start", "position", "velocity"]);
+        assert_eq!(names, ["time", "load_force", "oil_temperature", "position_start", "position", "velocity"]);
     }
 
     #[test]

@@ -6,7 +6,11 @@ use diagnosis::catalogue::{CATALOGUE, Hypothesis};
 use model_core::machine::Source;
 
 /// What is said of a hydraulic drive, and of a mass that a force moves.
-const OF_MASS: [(&str, &str); 2] = [("both pressures recorded", "the force recorded"), ("closed-valve hold", "hold")];
+const OF_MASS: [(&str, &str); 3] = [
+    ("both pressures recorded", "the force recorded"),
+    ("closed-valve hold", "hold"),
+    ("a pressure sensor's offset", "the force sensor's offset"),
+];
 
 /// The test that is surest to show an effect.
 #[must_use]
