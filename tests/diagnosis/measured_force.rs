@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use diagnosis::{Diagnosis, Verdict, diagnose};
 use machine_file::MachineFile;
 use model_core::effects::Effect;
-use model_core::machine::Parameter;
+use model_core::machine::{Parameter, Source};
 use recording::{ChannelMap, Column, Recording, Signal};
 use report::evidence::Exhibits;
 use report::plot::{Marks, RangeBin};
@@ -204,7 +204,7 @@ fn of_an_axis_no_effect_of_valve_and_oil_is_tried_or_listed_and_no_word_of_them_
     let tried = diagnosis.selection.rounds.iter().flatten().flat_map(|trial| &trial.effects);
     let foreign: Vec<&str> = tried
         .chain(&diagnosis.not_testable)
-        .filter(|effect| !Effect::named(effect.name).unwrap().acts_under_force())
+        .filter(|effect| !Source::Force.has_effect(Effect::named(effect.name).unwrap()))
         .map(|effect| effect.name)
         .collect();
     assert_eq!(foreign, Vec::<&str>::new());

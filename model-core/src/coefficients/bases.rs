@@ -28,15 +28,20 @@ const GRAVITY: f64 = 9.81;
 /// Largest stiffness of a stop over the full force and the stroke that a choice of scales aims at; the format ends at 65536.
 const STEEP_AIM: f64 = 6e4;
 
-/// See [`Machine::full_force_n`].
-pub(crate) fn full_force_n(machine: &Machine<f64>) -> f64 {
-    let of_oil = machine.get(P::AreaA) * machine.get(P::SupplyPressure);
-    if machine.source != Source::Force {
-        return of_oil;
+impl Machine<f64> {
+    /// The force that others on the rod are measured by, N: that of the supply pressure on side A. Where a force moves the mass, the one that brings
+    /// it to four strokes a second within 31 ms, against its weight and its viscous friction, or the default supply pressure on side A where that is
+    /// more.
+    #[must_use]
+    pub fn full_force_n(&self) -> f64 {
+        let of_oil = self.get(P::AreaA) * self.get(P::SupplyPressure);
+        if self.source != Source::Force {
+            return of_oil;
+        }
+        let stroke = self.get(P::Stroke);
+        let accelerated = self.get(P::MovingMass) * (STROKES_PER_S2 * stroke + GRAVITY);
+        of_oil.max(accelerated + self.get(P::ViscousFriction) * STROKES_PER_S * stroke)
     }
-    let stroke = machine.get(P::Stroke);
-    let accelerated = machine.get(P::MovingMass) * (STROKES_PER_S2 * stroke + GRAVITY);
-    of_oil.max(accelerated + machine.get(P::ViscousFriction) * STROKES_PER_S * stroke)
 }
 
 /// Scales where a force moves the mass. No oil is there to give a flow, so the stroke gives the velocity. The force's scale is the full force, or all
@@ -51,7 +56,7 @@ fn bases_under_force(machine: &Machine<f64>, tick_s: f64) -> Bases {
         + get(P::LoadSpringForce)
         + stroke_m * (get(P::LoadSpring) + stroke_m * get(P::LoadSpringBow));
     let held_n = load_n + table_n + machine.dry_friction_n();
-    let wanted_n = full_force_n(machine).max(held_n).max(get(P::StopStiffness) * stroke_m / STEEP_AIM);
+    let wanted_n = machine.full_force_n().max(held_n).max(get(P::StopStiffness) * stroke_m / STEEP_AIM);
     // Velocity 1 per force 1, at the largest gain, and the force that brings the mass to GAIN_AIM strokes a tick with it: no scale holds more.
     let per_force = SPRUNG * tick_s / (GAIN_AIM * inertia(machine, tick_s));
     let force_n = wanted_n.min(GAIN_AIM * stroke_m / (tick_s * per_force));

@@ -19,8 +19,6 @@
 
 mod compiled;
 
-use crate::machine::Source;
-
 pub(crate) use compiled::{AnyEffect, Keeps, LinkEffects, Nothing, Plain, Vocabulary};
 
 /// Passes the table to the macro `$then`, after that macro's other arguments. A new effect is a new entry, in the order of the chain, which is also
@@ -383,12 +381,6 @@ macro_rules! names {
 effects! { names => }
 
 impl Effect {
-    /// Whether it acts in a machine that is moved by a measured force: an effect of the mass or of a sensor that needs no simulated pressure.
-    #[must_use]
-    pub const fn acts_under_force(self) -> bool {
-        Source::Force.has(self.link()) && !matches!(self, Effect::PressureDependentFriction)
-    }
-
     /// The effect of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {

@@ -5,8 +5,7 @@ mod parameter;
 
 use core::f64::consts::{PI, TAU};
 
-use crate::coefficients;
-use crate::effects::Link;
+use crate::effects::{Effect, Link};
 use crate::number::{Real, SUM_UNIT};
 
 pub use forms::{BASE_FORMS, Form};
@@ -49,6 +48,14 @@ impl Source {
             Source::Pump => !matches!(link, Link::Valve),
             Source::Force => matches!(link, Link::Mechanics | Link::Sensing),
         }
+    }
+
+    /// Whether this effect acts in a drive of this kind: the one of a link that it has, and where a force moves the mass, one that needs no simulated
+    /// pressure.
+    #[must_use]
+    pub const fn has_effect(self, effect: Effect) -> bool {
+        self.has(effect.link())
+            && !(matches!(self, Source::Force) && matches!(effect, Effect::PressureDependentFriction))
     }
 }
 
@@ -148,14 +155,6 @@ impl Machine<f64> {
         self.source != Source::Force
             || parameter.is_of(Source::Force)
                 && !(is_area && self.get(Parameter::AreaA).max(self.get(Parameter::AreaB)) <= 0.0)
-    }
-
-    /// The force that others on the rod are measured by, N: that of the supply pressure on side A. Where a force moves the mass, the one that brings
-    /// it to four strokes a second within 31 ms, against its weight and its viscous friction, or the default supply pressure on side A where that is
-    /// more.
-    #[must_use]
-    pub fn full_force_n(&self) -> f64 {
-        coefficients::bases::full_force_n(self)
     }
 
     /// Checks every parameter that the drive uses against its range.

@@ -200,7 +200,7 @@ impl Parameter {
                         || is_between(Parameter::EncoderCounts, Parameter::LinkageAngleAtZero)
                         || self >= Parameter::TableQuantity
                 },
-                Effect::acts_under_force,
+                |effect| source.has_effect(effect),
             ),
         }
     }

@@ -345,7 +345,7 @@ impl Hypothesis {
     /// Whether such a drive can have it: what a force moves has neither valve nor oil.
     #[must_use]
     pub fn is_of(&self, source: Source) -> bool {
-        source != Source::Force || Effect::named(self.name).is_none_or(Effect::acts_under_force)
+        source != Source::Force || Effect::named(self.name).is_none_or(|effect| source.has_effect(effect))
     }
 
     /// Whether the drive can have it, and the recordings come near the range in which it acts: a floor that no pressure reaches changes nothing.
