@@ -40,6 +40,7 @@ fn scene(file: &MachineFile) -> Scene<'_> {
         judged: &[Signal::Spool, Signal::PressureA, Signal::PressureB, Signal::Position],
         travel_m: (0.05, 0.25),
         duration_s: 10.0,
+        is_sparse: false,
         lowest_pa: -1e6,
         held: &[],
         changeable: &[],

@@ -54,6 +54,7 @@ impl Case {
             judged,
             travel_m: (0.05, 0.25),
             duration_s: 3.0,
+            is_sparse: false,
             lowest_pa: f64::INFINITY,
             held: &[],
             changeable: &[],

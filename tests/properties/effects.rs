@@ -62,6 +62,7 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
             judged: &[],
             travel_m: (0.05, 0.25),
             duration_s: 4.0,
+            is_sparse: false,
             lowest_pa: -1e6,
             held: &[],
             changeable: &[],

@@ -103,6 +103,7 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
         judged: computed_below(InputPoint::Command),
         travel_m: (0.05, 0.25),
         duration_s: 2.0,
+        is_sparse: false,
         lowest_pa: -1e6,
         held: &[],
         changeable: &[],

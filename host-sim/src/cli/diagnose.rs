@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use diagnosis::agreement::follower;
-use diagnosis::{Diagnosis, Verdict, base_parameters, diagnose, diagnose_since, read_absolute, steps};
+use diagnosis::{Diagnosis, Options, Verdict, base_parameters, diagnose_with, read_absolute, steps};
 use identification::compare::judged;
 use machine_file::MachineFile;
 use model_core::machine::Tick;
@@ -56,9 +56,13 @@ pub struct Arguments {
     /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
     #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judged::named)]
     judge: Vec<Signal>,
-    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
+    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz
     #[arg(long, value_enum, value_name = "ms")]
     tick: Option<input::TickArgument>,
+    /// What the search may take on two cores, in s. It is counted in simulated ticks, so that the answer is the same on every machine; a search that
+    /// does not come to its own end claims nothing and says what it did not try
+    #[arg(long, value_name = "s", default_value_t = Options::USUAL_LIMIT_S, value_parser = seconds)]
+    time_limit: f64,
     /// Write the diagnosis for programs
     #[arg(long, value_name = "D.json")]
     json: Option<PathBuf>,
@@ -111,13 +115,15 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         input::doubts(&job.machine, &job.file, job.training.iter().chain(&job.held_out), arguments.as_recorded);
     bar.finish_and_clear();
     let doubts = doubts?;
-    let then = diagnose_then(&mut job, arguments, console)?;
+    let options = Options { tick, asks_since: false, limit_s: Some(arguments.time_limit) };
+    let then = diagnose_then(&mut job, options, arguments, console)?;
+    let options = Options { asks_since: !arguments.since.is_empty(), ..options };
     let bar = progress(&job.file, "diagnosing", console);
-    let diagnosed = if arguments.since.is_empty() { diagnose } else { diagnose_since };
-    let diagnosis = diagnosed(&job.file, &job.training, &job.held_out, tick, &|_| bar.inc(1));
+    let diagnosis = diagnose_with(&job.file, (&job.training, &job.held_out), options, &|_| bar.inc(1));
     bar.finish_and_clear();
     let diagnosis = Diagnosis { doubts, then, ..diagnosis.map_err(|cause| failed(&job.machine, cause))? };
     console.detail(terminal::sentence(&diagnosis));
+    console.detail(format_args!("search: {}", wording::slow(&diagnosis.selection.searched)));
     let bar = console.working("drawing up the evidence");
     let exhibits = Exhibits::of(&job.file, &job.training, &job.held_out, &diagnosis, job.report.is_some());
     bar.finish_and_clear();
@@ -191,12 +197,16 @@ fn note_recordings(job: &Job, recordings: &[&Recording], console: &Console<'_>) 
 
 /// Where there are recordings of then: the machine file with what they tell in the place of the job's, and how that diagnosis ended. What is noted and
 /// doubted of them is told as of the others.
-fn diagnose_then(job: &mut Job, arguments: &Arguments, console: &Console<'_>) -> Result<Option<Verdict>, CliError> {
+fn diagnose_then(
+    job: &mut Job,
+    options: Options,
+    arguments: &Arguments,
+    console: &Console<'_>,
+) -> Result<Option<Verdict>, CliError> {
     if job.then.is_empty() {
         return Ok(None);
     }
-    let tick = arguments.tick.map(Into::into);
-    if is_absolute(&job.machine, &job.file, &job.then, tick, console)? {
+    if is_absolute(&job.machine, &job.file, &job.then, options.tick, console)? {
         job.then.iter_mut().for_each(Recording::take_as_absolute);
     }
     note_recordings(job, &job.then.iter().collect::<Vec<_>>(), console)?;
@@ -204,12 +214,18 @@ fn diagnose_then(job: &mut Job, arguments: &Arguments, console: &Console<'_>) ->
         console.note(format_args!("then: doubt: {}", wording::doubt(&doubt)));
     }
     let bar = progress(&job.file, "diagnosing then", console);
-    let then = diagnose(&job.file, &job.then, &[], tick, &|_| bar.inc(1));
+    let then = diagnose_with(&job.file, (&job.then, &[]), options, &|_| bar.inc(1));
     bar.finish_and_clear();
     let then = then.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause })?;
     console.note(format_args!("then: {}", terminal::sentence(&then)));
     job.file = then.machine_file(&job.file);
     Ok(Some(then.verdict))
+}
+
+/// A time in seconds.
+fn seconds(text: &str) -> Result<f64, String> {
+    let found = text.parse::<f64>().ok().filter(|seconds| seconds.is_finite() && *seconds > 0.0);
+    found.ok_or_else(|| "expected seconds above 0, such as 300".to_owned())
 }
 
 /// A bar over the steps of a diagnosis.

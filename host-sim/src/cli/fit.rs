@@ -10,7 +10,7 @@ use identification::experiment::{Prepared, share_range_ends};
 use identification::fit::residuals::counts_from;
 use identification::fit::{
     Counts, Fit, FitError, Free, From, effective_samples, first_search, fit_with_progress, inflation, level_at_rest,
-    most_evaluations, softened_all, with_channel_tolerances,
+    most_evaluations, softened_all, staged, with_channel_tolerances,
 };
 use model_core::machine::Machine;
 use recording::{ChannelMap, PressureZero, Recording, Signal};
@@ -42,7 +42,7 @@ pub struct Arguments {
     /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
     #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judged::named)]
     judge: Vec<Signal>,
-    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
+    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz
     #[arg(long, value_enum, value_name = "ms")]
     tick: Option<input::TickArgument>,
     /// Take the recordings as they are, even where a channel is certainly reversed, exchanged or in another unit
@@ -141,5 +141,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 fn near(machine: &Machine<f64>, free: &[Free], prepared: &mut [Prepared]) -> Result<Fit, FitError> {
     /// The first search ends when the loss falls by less than this share in a step.
     const SETTLED: f64 = 1e-3;
-    with_channel_tolerances(machine, prepared, |cases| first_search(machine, free, cases, SETTLED))
+    with_channel_tolerances(machine, prepared, |cases| {
+        let first = first_search(machine, free, cases, SETTLED)?;
+        if cases.iter().any(|case| case.is_sparse()) { staged(machine, free, cases, first, SETTLED) } else { Ok(first) }
+    })
 }

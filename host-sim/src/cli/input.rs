@@ -28,7 +28,7 @@ pub struct MachineArguments {
     /// Number type of the simulation; fixed is what the controller computes
     #[arg(long, value_enum, default_value_t)]
     pub arithmetic: ArithmeticArgument,
-    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that
+    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz
     #[arg(long, value_enum, value_name = "ms")]
     pub tick: Option<TickArgument>,
 }

@@ -19,7 +19,7 @@ use recording::{Column, Format, Linkage, Recording, Series, Signal};
 use report::plot;
 use simulation::sensor_fault::sensor_range;
 use simulation::{
-    Arithmetic, InChunks, InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_input_point, natural_tick,
+    Arithmetic, InChunks, InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_input_point, tick_for,
 };
 
 use super::Outcome;
@@ -124,7 +124,7 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     });
     let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
     let input_point = first_input_point(file.machine.source, &part.recording).map_err(failed)?;
-    let tick = arguments.machine.tick().unwrap_or_else(|| natural_tick(&part.recording));
+    let tick = arguments.machine.tick().unwrap_or_else(|| tick_for(&part.recording, &file.machine));
     let start = start_in_play(&file.machine, &part.recording, file.load_source, tick, |note| {
         bar.aside(|| console.note(note));
     });
@@ -340,7 +340,7 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     };
     let input_point = first_input_point(machine.source, &recording)
         .map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
-    let tick = asked.unwrap_or_else(|| natural_tick(&recording));
+    let tick = asked.unwrap_or_else(|| tick_for(&recording, &machine));
     Ok(Job {
         name: file.name,
         machine,

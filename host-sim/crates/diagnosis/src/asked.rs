@@ -4,11 +4,14 @@ use identification::experiment::Prepared;
 use identification::fit::{FitError, Free, set_tolerances};
 
 use crate::catalogue::{Hypothesis, Scene};
+use crate::decision::Decision;
 use crate::diagnose::Progress;
+use crate::gains;
 use crate::outside::{self, Outside};
 use crate::selection::decision_rule::{OUTSIDE_KEEPS, SEARCHED_TO};
 use crate::selection::excerpt::Excerpt;
 use crate::selection::forward::select;
+use crate::selection::searched::{Clock, Stage};
 use crate::selection::{Candidate, Question, Selection, explains_enough, lengthened};
 
 /// What is asked of the recordings, whichever part of them is looked at.
@@ -28,6 +31,29 @@ impl<'a> Asked<'a> {
         Question { scene: self.scene, base_parameters: self.base_parameters, hypotheses: self.hypotheses, training }
     }
 
+    /// What free runs choose, and what they choose beside a cause from outside; or what the gains of a drive that is entered at a measured force say, which
+    /// is decided already. Of a search that its limit has ended nothing is chosen: what was not tried cannot be excluded.
+    pub(crate) fn found(
+        self,
+        (mut trained, held): (Vec<Prepared>, Vec<Prepared>),
+        mut excerpt: Option<&mut Excerpt>,
+        progress: Progress<'_>,
+    ) -> Result<Found, FitError> {
+        let mut selection = self.selected(&mut trained, excerpt.as_deref_mut(), progress)?;
+        let beside = if excerpt.is_none() { self.outside(&mut selection, &trained, &held, progress)? } else { None };
+        if let Some(Beside { told, selection: mut forced, trained: with, held: held_with }) = beside {
+            let plain = Plain { trained, held, base: selection.base };
+            forced.claim_only_if_finished();
+            let (plain, outside) = (Some(plain), Some(told));
+            return Ok(Found { selection: forced, decided: None, plain, outside, trained: with, held: held_with });
+        }
+        let gained = gains::found(self, &mut selection, (&trained, &held), excerpt.as_deref(), progress)?;
+        let (mut selection, decided) =
+            gained.map_or((selection, None), |(selection, decision)| (selection, Some(decision)));
+        selection.claim_only_if_finished();
+        Ok(Found { selection, decided, plain: None, outside: None, trained, held })
+    }
+
     /// The effects that the training recordings choose: of long ones their excerpt, and then the whole.
     pub(crate) fn selected(
         self,
@@ -43,9 +69,9 @@ impl<'a> Asked<'a> {
     }
 
     /// A cause outside the drive that explains what the catalogue does not, with the search repeated beside it.
-    pub(crate) fn outside(
+    fn outside(
         self,
-        selection: &Selection,
+        selection: &mut Selection,
         trained: &[Prepared],
         held: &[Prepared],
         progress: Progress<'_>,
@@ -58,7 +84,14 @@ impl<'a> Asked<'a> {
         if is_explained || trained.iter().any(|case| case.stimulus.is_balanced()) {
             return Ok(None);
         }
-        let Some(found) = outside::find(&question, selection)? else { return Ok(None) };
+        let mut clock = Clock::of(&question);
+        if clock.effort().is_used_up() || !selection.searched.is_finished() {
+            selection.searched.leave(Stage::Outside);
+            return Ok(None);
+        }
+        let found = outside::find(&question, selection)?;
+        selection.searched.did(Stage::Outside, clock.lap_s());
+        let Some(found) = found else { return Ok(None) };
         let done = |name: &str| progress(name);
         let trained = found.force.on(&references);
         let forced: Vec<&Prepared> = trained.iter().collect();
@@ -70,6 +103,7 @@ impl<'a> Asked<'a> {
         } else {
             let mut beside = select(&forced_question, &found.near, &done)?;
             beside.find_jumps(&forced_question, &done)?;
+            beside.searched = beside.searched.after(&selection.searched);
             beside
         };
         let opened: Vec<&Prepared> = held.iter().collect();
@@ -98,9 +132,14 @@ impl<'a> Asked<'a> {
         done: &(impl Fn(&str) + Sync),
     ) -> Result<Selection, FitError> {
         let search = |cases: &mut [Prepared]| {
+            let effort = cases.first().map(|case| case.effort.clone()).unwrap_or_default();
+            let began_s = effort.spent_s();
             let near = Candidate::tolerated(self.scene, self.base_parameters, cases)?;
+            let near_s = effort.spent_s() - began_s;
             let references: Vec<&Prepared> = cases.iter().collect();
-            select(&self.of(&references), &near, done)
+            let mut found = select(&self.of(&references), &near, done)?;
+            found.searched.did(Stage::Base, near_s);
+            Ok::<_, FitError>(found)
         };
         let Some(excerpt) = excerpt else { return search(trained) };
         let mut found = search(&mut excerpt.cases)?;
@@ -113,10 +152,28 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// A search beside a force from outside, with the recordings that have that force as an input.
-pub(crate) struct Beside {
-    pub(crate) told: Outside,
+/// What the searches found, with the recordings that they end with: those with a force from outside as an input, where there is one.
+pub(crate) struct Found {
     pub(crate) selection: Selection,
+    /// What is decided already.
+    pub(crate) decided: Option<Decision>,
+    pub(crate) plain: Option<Plain>,
+    pub(crate) outside: Option<Outside>,
     pub(crate) trained: Vec<Prepared>,
     pub(crate) held: Vec<Prepared>,
+}
+
+/// What there was before a force from outside became an input.
+pub(crate) struct Plain {
+    pub(crate) trained: Vec<Prepared>,
+    pub(crate) held: Vec<Prepared>,
+    pub(crate) base: Candidate,
+}
+
+/// A search beside a force from outside, with the recordings that have that force as an input.
+struct Beside {
+    told: Outside,
+    selection: Selection,
+    trained: Vec<Prepared>,
+    held: Vec<Prepared>,
 }

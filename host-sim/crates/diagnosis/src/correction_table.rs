@@ -217,10 +217,15 @@ fn applies(scene: &Scene<'_>, (quantity, states): &Plan) -> bool {
         }
 }
 
-/// The base model with the best table, if it follows the held-out recordings better.
-///
-/// None for an error that happens once, since it is no function of the drive's state; and none where the machine already
-/// has a table, or nothing was held out.
+/// Whether a table can be tried: not for an error that happens once, since it is no function of the drive's state; and not where the machine already has a
+/// table, or nothing was held out.
+pub fn may_help(question: &Question<'_>, location: &Location, held: &[&Prepared]) -> bool {
+    let once = matches!(location.shape, Shape::Once { .. });
+    let has_one = question.scene.machine.get(Parameter::TableQuantity) != 0.0;
+    !once && !has_one && !held.is_empty() && question.training.len() > 1
+}
+
+/// The base model with the best table, if it follows the held-out recordings better. None where [no table can be tried](may_help).
 pub fn improved(
     question: &Question<'_>,
     base: &Candidate,
@@ -228,9 +233,7 @@ pub fn improved(
     cases: &[Case<'_>],
     held: &[&Prepared],
 ) -> Result<Option<(Candidate, Unnamed)>, FitError> {
-    let once = matches!(location.shape, Shape::Once { .. });
-    let has_one = question.scene.machine.get(Parameter::TableQuantity) != 0.0;
-    if once || has_one || held.is_empty() || question.training.len() < 2 {
+    if !may_help(question, location, held) {
         return Ok(None);
     }
     let seen = Seen::of(&base.fit.machine, cases)?;

@@ -22,6 +22,9 @@ impl Ending {
     /// The ending with effects that are named.
     pub(crate) const FOUND: Self = Self { verdict: Verdict::MissingPhysics, training_is_too_narrow: false };
 
+    /// The ending of a search that its limit has ended: what it found is no answer.
+    pub(crate) const UNFINISHED: Self = Self { verdict: Verdict::Unexplained, training_is_too_narrow: false };
+
     /// The ending with the base model alone: whether it misses more than noise, or follows only with a value that no such drive has.
     ///
     /// Where it follows the training recordings but not the held-out ones, it is refitted to all of them. If it then follows all, nothing is missing: the

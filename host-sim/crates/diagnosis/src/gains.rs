@@ -16,6 +16,7 @@ use crate::diagnose::Progress;
 use crate::selection::decision_rule::{RECORDINGS_GAIN, SEARCHED_TO};
 use crate::selection::excerpt::Excerpt;
 use crate::selection::likelihood::accepts;
+use crate::selection::searched::{Clock, Stage};
 use crate::selection::{Selection, explains_enough};
 
 /// Blocks in the time constant with which a wrong velocity decays. With fewer, a block has more than one reversal; with more, neighbours are no longer
@@ -31,7 +32,7 @@ const TICKS: f64 = 4.0;
 /// recording is too short.
 pub(crate) fn found(
     asked: Asked<'_>,
-    selection: &Selection,
+    selection: &mut Selection,
     (trained, held): (&[Prepared], &[Prepared]),
     excerpt: Option<&Excerpt>,
     progress: Progress<'_>,
@@ -62,7 +63,18 @@ pub(crate) fn found(
             Some(cases) => Some(excerpt.with(cases)),
         },
     };
-    let mut selection = asked.selected(&mut in_training, excerpt.as_mut(), progress)?;
+    let mut clock = Clock::of(&asked.of(&references));
+    if clock.effort().is_used_up() || !selection.searched.is_finished() {
+        selection.searched.leave(Stage::Gains);
+        return Ok(None);
+    }
+    let by_gains = asked.selected(&mut in_training, excerpt.as_mut(), progress)?;
+    selection.searched.did(Stage::Gains, clock.lap_s());
+    if !by_gains.searched.is_finished() {
+        selection.searched.leave(Stage::Gains);
+        return Ok(None);
+    }
+    let mut selection = Selection { searched: selection.searched.clone(), ..by_gains };
     if selection.chosen.effects.is_empty() {
         return Ok(None);
     }

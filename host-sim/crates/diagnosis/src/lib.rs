@@ -10,6 +10,7 @@
 
 pub mod agreement;
 mod asked;
+mod base_parameters;
 mod before_after;
 pub mod catalogue;
 pub mod correction_table;
@@ -19,8 +20,10 @@ mod ending;
 mod finding;
 mod gains;
 pub mod localisation;
+mod options;
 mod outcome;
 pub mod outside;
+mod place;
 mod pressure_zero;
 pub mod selection;
 mod settled_valve;
@@ -29,9 +32,11 @@ pub mod structure;
 #[cfg(test)]
 mod test_scene;
 
+pub use base_parameters::base_parameters;
 pub use before_after::Shown;
-pub use diagnose::{DiagnoseError, Progress, base_parameters, diagnose, diagnose_since, steps};
+pub use diagnose::{DiagnoseError, Progress, diagnose, diagnose_since, diagnose_with, steps};
 pub use finding::Finding;
+pub use options::Options;
 pub use outcome::{Diagnosis, Fits, Verdict};
 pub use pressure_zero::read_absolute;
 pub use since::OtherOil;

@@ -9,8 +9,9 @@ use machine_file::MachineFile;
 use model_core::machine::{Machine, Tick};
 use recording::{PressureZero, Recording, Signal};
 
+use crate::base_parameters::base_parameters;
 use crate::catalogue::Scene;
-use crate::diagnose::{DiagnoseError, base_parameters, travelled};
+use crate::diagnose::{DiagnoseError, travelled};
 use crate::selection::decision_rule::{ABSOLUTE_EXPLAINS, ABSOLUTE_GAINS};
 use crate::selection::excerpt::Excerpt;
 use crate::selection::likelihood::{gained, misfit_above_noise, straightened};
@@ -48,6 +49,7 @@ pub fn read_absolute(file: &MachineFile, training: &[Recording], tick: Option<Ti
         judged: &judged,
         travel_m: travelled(&file.machine, &gauge),
         duration_s: gauge.iter().map(Prepared::duration_s).fold(0.0, f64::max),
+        is_sparse: gauge.iter().any(Prepared::is_sparse),
         lowest_pa: f64::INFINITY,
         held: &[],
         changeable: &[],

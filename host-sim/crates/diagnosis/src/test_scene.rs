@@ -16,6 +16,7 @@ pub(crate) fn scene<'a>(machine: &'a Machine<f64>, judged: &'a [Signal]) -> Scen
         judged,
         travel_m: (0.05, 0.25),
         duration_s: 5.0,
+        is_sparse: false,
         lowest_pa: -1e6,
         held: &[],
         changeable: &[],

@@ -5,9 +5,10 @@ use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use recording::{Recording, Signal};
 use simulation::sensor_fault::{Failures, Mended, RangeEnd, Stretch, bridged};
 use simulation::signal::noise::{extent, noise, resolution};
-use simulation::{InputPoint, SimulateError, Start, Stimulus, Whitening, first_input_point, natural_tick};
+use simulation::{InputPoint, SimulateError, Start, Stimulus, Whitening, first_input_point, is_sparse, tick_for};
 
 use crate::compare::judged;
+use crate::effort::Effort;
 use crate::error::CompareError;
 use crate::input_noise::{at_most_by_noise_of_input, at_most_in_gains};
 
@@ -140,6 +141,8 @@ pub struct Prepared {
     /// Standard deviation of the noise of the recorded spool, flow or force that drives the model, SI; 0 where a command or a
     /// pump's speed drives it, as these are set.
     pub input_noise: f64,
+    /// What its simulations have cost; copies share it.
+    pub effort: Effort,
 }
 
 impl Prepared {
@@ -168,7 +171,7 @@ impl Prepared {
         load: LoadSource,
         tick: Option<Tick>,
     ) -> Result<Self, CompareError> {
-        let tick = tick.unwrap_or_else(|| natural_tick(recording));
+        let tick = tick.unwrap_or_else(|| tick_for(recording, machine));
         let mut mended = Mended::of(recording);
         let stimulus = Stimulus::of_mended(&mended, machine, input_point, load, tick)?;
         let mut signals = judged(recording, input_point, load);
@@ -212,6 +215,7 @@ impl Prepared {
             unsettled,
             start_sigma_m,
             input_noise,
+            effort: Effort::default(),
         })
     }
 
@@ -225,6 +229,12 @@ impl Prepared {
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
+    }
+
+    /// Whether so few rows were recorded that the fast half of a drive does not show.
+    #[must_use]
+    pub fn is_sparse(&self) -> bool {
+        is_sparse(&self.time_s)
     }
 
     /// Standard deviation of the rod's initial position on a machine, m: where in a play it stands, no sensor shows. A rod that is driven by its measured

@@ -10,6 +10,7 @@
 
 pub mod clock;
 pub mod compare;
+pub mod effort;
 mod error;
 pub mod experiment;
 pub mod fit;

@@ -41,5 +41,7 @@ pub use run::{SignalsOfRow, Trajectory, computed_below, rows_f64, simulate_f64, 
 pub use start_in_motion::SpoolAtStart;
 pub use stepper::{Inputs, Kept, Live, OtherArithmetic};
 pub use stimulus::coarse::Coarser;
-pub use stimulus::{InputPoint, RunningSum, Stimulus, first_input_point, is_driven_by_pressures, natural_tick};
+pub use stimulus::{
+    InputPoint, RunningSum, Stimulus, first_input_point, is_driven_by_pressures, natural_tick, tick_for,
+};
 pub use whitening::Whitening;

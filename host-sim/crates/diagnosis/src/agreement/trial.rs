@@ -13,7 +13,7 @@ use super::far_value::{FarValue, far_values};
 use super::place::{BEYOND_STROKE, beyond_stroke};
 use super::response::{part, prepared};
 use super::{Change, Doubt, Raised};
-use crate::diagnose::base_parameters;
+use crate::base_parameters::base_parameters;
 
 /// A rough look sees a tenth of a signal's variation, and one row in so many is independent of the others.
 const ROUGH: f64 = 0.1;

@@ -69,6 +69,8 @@ pub struct Scene<'a> {
     pub travel_m: (f64, f64),
     /// Longest recording, s.
     pub duration_s: f64,
+    /// Whether so few rows were recorded that nothing faster than 25 Hz shows.
+    pub is_sparse: bool,
     /// Lowest pressure of a chamber in the recordings, by the sensors and by the model without effects, Pa; infinite where neither gives one.
     pub lowest_pa: f64,
     /// Effects that the machine file holds and that may have changed since it was written.
@@ -316,7 +318,11 @@ impl Hypothesis {
         let is_refined_only = self.forms.iter().all(|form| scene.held_in(form) < most);
         let refined = if is_refined_only { self.refined } else { &[] };
         let forms = self.forms.iter().chain(refined).copied();
-        forms.filter(move |form| scene.held_in(form) == most && !form.iter().any(hidden))
+        // Micrometres by which bristles yield show in a pressure, or in a position that is recorded fast enough.
+        let shows_bristles = !scene.is_sparse || scene.judged.iter().any(|signal| signal.is_pressure());
+        forms.filter(move |form| {
+            scene.held_in(form) == most && !form.iter().any(hidden) && (shows_bristles || !is_elastic(form))
+        })
     }
 
     /// The forms that refine one of its forms.

@@ -160,7 +160,11 @@ fn solutions(question: &Question<'_>, selection: &Selection) -> Result<Vec<Solut
         let mut training = question.training.to_vec();
         training.remove(index);
         let others = Question { training: &training, ..*question };
-        let mut fit = Candidate::rough(&others, None)?.fit;
+        // Of sparse rows a search from the nominal values ends in another valley: it starts from the base.
+        let mut near = selection.base.fit.clone();
+        near.starts.remove(index);
+        let near = question.scene.is_sparse.then_some(&near);
+        let mut fit = Candidate::rough(&others, near)?.fit;
         fit.starts.insert(index, StartState::default());
         Ok(Solution { fit, once: true })
     };

@@ -165,14 +165,22 @@ fn share_at(series: &[f64], cycles: f64) -> f64 {
     if square > 0.0 { 2.0 * (cosine * cosine + sine * sine) / (series.len() as f64 * square) } else { 0.0 }
 }
 
-/// Structures over their range of frequencies and dampings.
+/// Structures over their range of frequencies and dampings, as far as the rows can show them: none where they are too slow for the slowest.
 fn structures(cases: &[&Prepared]) -> Vec<Shape> {
     let (low, high) = (STRUCTURE_HZ.0, fastest_hz(cases, STRUCTURE_HZ.1));
-    let at = move |index: usize| low * (high / low).powf(index as f64 / (STRUCTURES - 1) as f64);
+    if high <= low {
+        return Vec::new();
+    }
+    // A part of the range has its part of the steps.
+    let is_sparse = cases.iter().any(|case| case.is_sparse());
+    let part = if is_sparse { (high / low).ln() / (STRUCTURE_HZ.1 / low).ln() } else { 1.0 };
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a part of some dozens")]
+    let count = ((STRUCTURES as f64 * part).ceil() as usize).max(2);
+    let at = move |index: usize| low * (high / low).powf(index as f64 / (count - 1) as f64);
     let damped = |hz: f64, is_included: bool| {
         STRUCTURE_DAMPING.map(move |damping| Shape::Structure { hz, damping, is_included })
     };
-    (0..STRUCTURES)
+    (0..count)
         .flat_map(|index| [false, true].into_iter().flat_map(move |is_included| damped(at(index), is_included)))
         .collect()
 }

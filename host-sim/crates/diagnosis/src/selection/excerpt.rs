@@ -125,6 +125,7 @@ fn begun(
         unsettled: whole.unsettled.min(rows),
         start_sigma_m: whole.start_sigma_m,
         input_noise: whole.input_noise,
+        effort: whole.effort.clone(),
     })
 }
 

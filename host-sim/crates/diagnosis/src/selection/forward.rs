@@ -8,6 +8,7 @@
 //! of what is above the noise: an effect that does less is a stand-in for something else. A candidate model is also not accepted if another of its
 //! size is likelier by more than chance, even if that other one cannot be accepted.
 
+use identification::effort::Effort;
 use identification::fit::{Fit, FitError};
 
 use super::candidate::{Candidate, Question};
@@ -19,12 +20,30 @@ use super::round::{
     BEAM, candidates, enter, explains_enough, finished, is_likeliest, reduced, rivals, to_the_end, trials,
 };
 use super::search::{enriched, of_each, refined, widened};
+use super::searched::{Clock, Searched, Stage};
+use crate::catalogue::Hypothesis;
 use crate::selection::valve::side::Side;
 
 /// Effects that are refitted in a round, the most promising by the screening.
 const REFITTED: usize = 7;
 /// Effects that are refitted beside each of those.
 const BESIDE: usize = 4;
+
+/// What completes a round.
+#[derive(Clone, Copy)]
+enum Step {
+    Refined,
+    Played,
+    Extended,
+}
+
+/// About what a rough refit of a candidate model costs, s on two cores.
+fn rough_refit_s(question: &Question<'_>) -> f64 {
+    /// Simulations with derivatives that it takes, at twice the tick.
+    const EVALUATIONS: f64 = 8.0;
+    let ticks: usize = question.training.iter().map(|case| case.stimulus.ticks()).sum();
+    0.5 * EVALUATIONS * Effort::of_derivatives_s(ticks, question.base_parameters.len())
+}
 
 /// How far a selection has come.
 pub(crate) struct Course {
@@ -44,6 +63,8 @@ pub(crate) struct Course {
     pub(crate) rivals: Vec<Candidate>,
     /// Every refitted candidate model, round by round, the best first.
     pub(crate) rounds: Vec<Vec<Trial>>,
+    /// What its parts cost, and what a limit left out.
+    pub(crate) searched: Searched,
 }
 
 /// Chooses the effects. `near` is a first refit of the machine file's model; `done` is called after each refit.
@@ -53,19 +74,24 @@ pub(crate) struct Course {
 pub fn select(question: &Question<'_>, near: &Fit, done: &(impl Fn(&str) + Sync)) -> Result<Selection, FitError> {
     let mut course = Course::of(question, near)?;
     if course.base.worst_over_noise(question) > VALVE_FIRST_FROM {
+        let mut clock = Clock::of(question);
         course.join(question, done)?;
+        course.searched.did(Stage::Sides, clock.lap_s());
     }
     done("refit");
     course.forward(question, SEARCHED_TO, done)?;
-    let Course { base, inflated, chosen, rounds, joined, .. } = course;
-    Ok(Selection { base, inflated: inflated.base.fit, chosen, rounds, joined, jumps: None })
+    let Course { base, inflated, chosen, rounds, joined, searched, .. } = course;
+    Ok(Selection { base, inflated: inflated.base.fit, chosen, rounds, joined, jumps: None, searched })
 }
 
 impl Course {
     /// Nothing chosen yet.
     pub(crate) fn of(question: &Question<'_>, near: &Fit) -> Result<Self, FitError> {
+        let mut clock = Clock::of(question);
         let inflated = InflatedNoise::of(question)?;
         let base = Candidate::base(question, near, &inflated.base.fit)?;
+        let mut searched = Searched { limit_s: clock.effort().limit_s(), ..Searched::default() };
+        searched.did(Stage::Base, clock.lap_s());
         Ok(Self {
             inflated,
             chosen: base.clone(),
@@ -74,6 +100,7 @@ impl Course {
             explained: Vec::new(),
             rivals: Vec::new(),
             rounds: Vec::new(),
+            searched,
             base,
         })
     }
@@ -100,13 +127,7 @@ impl Course {
             if open.is_empty() {
                 break;
             }
-            let most = if round == 0 { REFITTED } else { BESIDE };
-            let asked = Question { hypotheses: &open, ..*question };
-            let found = widened(&asked, &self.inflated, &self.beam, most, done)?;
-            let ranked = self.refined(question, finished(question, &self.base, found)?, near, done)?;
-            let ranked = if round == 0 { self.played(question, ranked)? } else { ranked };
-            let ranked = self.extended(question, ranked, near, done)?;
-            self.rounds.push(trials(&ranked));
+            let Some(ranked) = self.round(question, &open, (round, near), done)? else { break };
             self.beam = ranked.iter().take(BEAM).map(|(candidate, _)| candidate.clone()).collect();
             if let Some(better) = self.first_accepted(question)? {
                 self.chosen = better;
@@ -121,6 +142,73 @@ impl Course {
             }
         }
         Ok(())
+    }
+
+    /// The ranked candidate models with one more effect; `None` where the limit of the search ends it before all of them are tried. Those that were
+    /// refitted by then are entered all the same.
+    fn round(
+        &mut self,
+        question: &Question<'_>,
+        open: &[&'static Hypothesis],
+        (round, near): (usize, f64),
+        done: &(impl Fn(&str) + Sync),
+    ) -> Result<Option<Vec<(Candidate, f64)>>, FitError> {
+        let (stage, mut clock) = (Stage::Effects(round + 1), Clock::of(question));
+        let (most, is_whole) = self.affordable(question, if round == 0 { REFITTED } else { BESIDE });
+        if !is_whole {
+            self.searched.leave(stage);
+        }
+        if most == 0 {
+            return Ok(None);
+        }
+        let asked = Question { hypotheses: open, ..*question };
+        let found = widened(&asked, &self.inflated, &self.beam, most, done)?;
+        let all = if clock.effort().is_used_up() {
+            self.searched.leave(stage);
+            ranked(question, &self.base, found)
+        } else {
+            let all = finished(question, &self.base, found)?;
+            self.completed(question, all, (round, near), done)?
+        };
+        self.searched.did(stage, clock.lap_s());
+        self.rounds.push(trials(&all));
+        Ok(self.searched.is_finished().then_some(all))
+    }
+
+    /// A ranked round with refined forms, with a play where no sensor measures the spool, and with extensions, as far as the limit of the search lets it.
+    fn completed(
+        &mut self,
+        question: &Question<'_>,
+        mut all: Vec<(Candidate, f64)>,
+        (round, near): (usize, f64),
+        done: &(impl Fn(&str) + Sync),
+    ) -> Result<Vec<(Candidate, f64)>, FitError> {
+        let effort = question.effort();
+        for step in [Step::Refined, Step::Played, Step::Extended] {
+            if effort.is_used_up() {
+                self.searched.leave(Stage::Effects(round + 1));
+                break;
+            }
+            all = match step {
+                Step::Refined => self.refined(question, all, near, done)?,
+                Step::Played if round == 0 => self.played(question, all)?,
+                Step::Played => all,
+                Step::Extended => self.extended(question, all, near, done)?,
+            };
+        }
+        Ok(all)
+    }
+
+    /// How many effects a round can refit within the limit of the search, at most this many, and whether these are all.
+    fn affordable(&self, question: &Question<'_>, most: usize) -> (usize, bool) {
+        /// Each effect takes about two forms.
+        const FORMS: f64 = 2.0;
+        let effort = question.effort();
+        let Some(limit_s) = effort.limit_s() else { return (most, true) };
+        let left_s = limit_s - effort.spent_s();
+        let one_s = FORMS * self.beam.len() as f64 * rough_refit_s(question);
+        let count = (1..=most).take_while(|count| *count as f64 * one_s <= left_s).count();
+        (count, count == most)
     }
 
     /// A ranked round, with refined forms added for its finished candidate models that are not `near` their noise.

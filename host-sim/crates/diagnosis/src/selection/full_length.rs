@@ -13,6 +13,8 @@ use super::outcome::Selection;
 use super::round::{explains_enough, is_likeliest, reduced, trials};
 use super::screen::Lead;
 use super::search::{open_to, refit_each};
+use super::searched::{Clock, Stage};
+use crate::catalogue::Hypothesis;
 
 /// The selection on the whole recordings, from what was `found` on their first part. `done` is called after each refit.
 ///
@@ -36,6 +38,7 @@ pub fn lengthened(
         rounds: found.rounds.clone(),
         joined: found.joined.clone(),
         jumps: None,
+        searched: found.searched.clone(),
     };
     if let Some(chosen) = chosen?
         && chosen.is_plausible(question)
@@ -45,9 +48,17 @@ pub fn lengthened(
     {
         selection.chosen = accepted;
     }
-    if selection.chosen.effects.len() < MOST_EFFECTS
+    let open = if selection.chosen.effects.len() < MOST_EFFECTS
         && !explains_enough(question, &selection.base, &selection.chosen, SLOW_EFFECTS_FROM)
-        && let Some((slow, others)) = slow(question, &selection.chosen, done)?
+    {
+        open_to(question, &selection.chosen).into_iter().filter(|effect| effect.is_slow(question.scene)).collect()
+    } else {
+        Vec::new()
+    };
+    let mut clock = Clock::of(question);
+    if clock.effort().is_used_up() && !open.is_empty() {
+        selection.searched.leave(Stage::Slow);
+    } else if let Some((slow, others)) = slow(question, &selection.chosen, &open, done)?
         && accepts(question, &selection.base, &selection.chosen, &slow)?
         && let Some(accepted) = reduced(question, &selection.base, slow.clone(), &found.joined)?
     {
@@ -59,6 +70,7 @@ pub fn lengthened(
         selection.rounds.push(trials(&ranked(question, &selection.base, of_its_size)));
         selection.chosen = accepted;
     }
+    selection.searched.did(Stage::Slow, clock.lap_s());
     Ok(selection)
 }
 
@@ -78,20 +90,19 @@ fn base(question: &Question<'_>, from: &Candidate) -> Result<Candidate, FitError
     if rough.worst_over_noise(question) < WHOLE_REFITTED_BELOW { rough.finished(question) } else { Ok(rough) }
 }
 
-/// The candidate model with the slow effect added that follows the whole recordings best, refitted to the end, and those with each of the other slow
+/// The candidate model with one of these slow effects added that follows the whole recordings best, refitted to the end, and those with each of the other slow
 /// effects.
 fn slow(
     question: &Question<'_>,
     from: &Candidate,
+    open: &[&'static Hypothesis],
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Option<(Candidate, Vec<Candidate>)>, FitError> {
-    let mut open = open_to(question, from);
-    open.retain(|hypothesis| hypothesis.is_slow(question.scene));
     if open.is_empty() {
         return Ok(None);
     }
     let reference = Reference::new(question, from)?;
-    let mut leads: Vec<Lead> = reference.leads(&open)?;
+    let mut leads: Vec<Lead> = reference.leads(open)?;
     let mut known: Vec<&str> = Vec::new();
     // The most promising first, so that the best form of each stays.
     leads.retain(|lead| {

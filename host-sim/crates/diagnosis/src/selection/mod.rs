@@ -16,6 +16,7 @@ mod outcome;
 mod round;
 pub mod screen;
 pub(crate) mod search;
+pub(crate) mod searched;
 mod valve;
 pub(crate) mod veto;
 
@@ -26,4 +27,5 @@ pub use full_length::lengthened;
 pub(crate) use likelihood::Gained;
 pub use outcome::{JumpEvidence, JumpsFound, Selection, Trial};
 pub(crate) use round::explains_enough;
+pub use searched::{Searched, Stage};
 pub use valve::jump_spacing::JumpSpacing;

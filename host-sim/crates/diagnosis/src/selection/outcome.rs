@@ -5,6 +5,7 @@ use model_core::machine::Machine;
 
 use super::candidate::{Candidate, Chosen};
 use super::decision_rule::{KEPT_ALONE, SUSPECTED_FROM};
+use super::searched::Searched;
 use crate::catalogue::Hypothesis;
 use crate::selection::valve::jump_spacing::JumpSpacing;
 
@@ -56,9 +57,19 @@ pub struct Selection {
     pub joined: Vec<&'static str>,
     /// The jumps of a spool that no sensor measures, where the chosen candidate model has them from the position.
     pub jumps: Option<JumpEvidence>,
+    /// What its parts cost, and what a limit left out.
+    pub searched: Searched,
 }
 
 impl Selection {
+    /// Of a search that its limit has ended nothing is chosen: what was not tried cannot be excluded.
+    pub(crate) fn claim_only_if_finished(&mut self) {
+        if !self.searched.is_finished() {
+            self.chosen = self.base.clone();
+            self.jumps = None;
+        }
+    }
+
     /// The single effect that the training recordings make likelier than none by more than chance, where nothing is accepted.
     #[must_use]
     pub fn suspected(&self) -> Option<&'static Hypothesis> {

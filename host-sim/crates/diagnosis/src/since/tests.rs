@@ -3,8 +3,8 @@ use model_core::machine::Parameter as P;
 use test_press::press;
 
 use super::*;
+use crate::base_parameters::base_parameters;
 use crate::catalogue::{Form, Scene};
-use crate::diagnose::base_parameters;
 use crate::selection::screen::shapes;
 use crate::test_scene::scene;
 

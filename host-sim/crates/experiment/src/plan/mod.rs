@@ -164,6 +164,7 @@ pub fn plan(planned: &Planned<'_>, given: Option<&Stimulus>, done: &(dyn Fn() + 
         judged: &judged,
         travel_m: (0.2 * machine.get(Parameter::Stroke), 0.8 * machine.get(Parameter::Stroke)),
         duration_s: planned.longest_s,
+        is_sparse: false,
         // No recording of this drive exists yet: effects that need a pressure near zero are not planned for.
         lowest_pa: f64::INFINITY,
         held: &[],

@@ -16,7 +16,7 @@ use simulation::sensor_fault::{Failures, Mended, RangeEnd};
 use simulation::signal::noise::median;
 use simulation::{
     Arithmetic, InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, computed_below, first_input_point,
-    natural_tick,
+    tick_for,
 };
 
 pub use crate::error::CompareError;
@@ -149,7 +149,7 @@ pub fn compare_with_progress(
     tick: Option<Tick>,
     told: &dyn Fn(usize),
 ) -> Result<Comparison, CompareError> {
-    let tick = tick.unwrap_or_else(|| natural_tick(recording));
+    let tick = tick.unwrap_or_else(|| tick_for(recording, machine));
     let mended = Mended::of(recording);
     let mut unsettled_s = 0.0_f64;
     let ends: Vec<(Signal, RangeEnd)> = mended

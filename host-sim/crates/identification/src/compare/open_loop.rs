@@ -9,7 +9,7 @@ use model_core::machine::{Machine, Parameter, Tick};
 use recording::{Recording, Signal};
 use simulation::sensor_fault::Mended;
 use simulation::signal::noise::extent;
-use simulation::{InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, natural_tick, simulate_f64};
+use simulation::{InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, simulate_f64, tick_for};
 
 use super::weakest::needs_sway;
 use super::{CompareError, Comparison, PlannedSection, plans};
@@ -52,7 +52,7 @@ pub fn put_sways(
     tick: Option<Tick>,
     free: &[Free],
 ) -> Result<(), CompareError> {
-    let tick = tick.unwrap_or_else(|| natural_tick(recording));
+    let tick = tick.unwrap_or_else(|| tick_for(recording, machine));
     let mended = Mended::of(recording);
     for (section, plan) in comparison.sections.iter_mut().zip(plans(machine.source, load, recording)?) {
         if needs_sway(section) {

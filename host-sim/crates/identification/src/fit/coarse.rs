@@ -63,6 +63,7 @@ fn at_twice_the_tick(case: &Prepared, Coarser { stimulus, kept }: Coarser, fine:
         unsettled: kept.partition_point(|&row| row < case.unsettled),
         start_sigma_m: case.start_sigma_m,
         input_noise: case.input_noise,
+        effort: case.effort.clone(),
     }
 }
 

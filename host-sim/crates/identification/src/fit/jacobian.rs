@@ -48,6 +48,7 @@ impl At<'_> {
         case: &Prepared,
         sink: &mut dyn FnMut(&Judged<'_>),
     ) -> Result<(), MachineError> {
+        case.effort.derived(case.stimulus.ticks(), self.free.len());
         let machine = self.machine();
         let by: Vec<By> =
             self.free.iter().zip(self.coordinates).map(|(free, &coordinate)| by(free, coordinate)).collect();

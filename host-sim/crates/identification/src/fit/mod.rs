@@ -17,6 +17,7 @@ mod levenberg_marquardt;
 mod normal_equations;
 pub mod residuals;
 mod sensitivity;
+mod staged;
 #[cfg(test)]
 mod test_fit;
 mod unsettled;
@@ -42,6 +43,7 @@ pub use residuals::{
     softened, softened_all, standardised, standardised_all, with_channel_tolerances,
 };
 pub use sensitivity::{Change, Directed, Sensitivity, Settled, Simulated};
+pub use staged::staged;
 pub use unsettled::{Unrest, Unsettled};
 
 /// Largest number of parameters in one fit.

@@ -167,10 +167,13 @@ pub(crate) fn runs<'a>(
     machine: &Machine<f64>,
     cases: impl Iterator<Item = (&'a Prepared, StartState)>,
 ) -> Vec<Run<'a>> {
-    let run = |(case, start): (&'a Prepared, StartState)| Run {
-        stimulus: &case.stimulus,
-        offset: start.offset(machine, case),
-        signals: case.channels.iter().map(|channel| channel.signal).collect(),
+    let run = |(case, start): (&'a Prepared, StartState)| {
+        case.effort.simulated(case.stimulus.ticks());
+        Run {
+            stimulus: &case.stimulus,
+            offset: start.offset(machine, case),
+            signals: case.channels.iter().map(|channel| channel.signal).collect(),
+        }
     };
     cases.map(run).collect()
 }

@@ -52,6 +52,7 @@ pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
                     @let said = sentence(diagnosis);
                     h1 class=(class(diagnosis.verdict)) { (said) @if !said.ends_with('?') { "." } }
                     (improvement(diagnosis))
+                    (unfinished(diagnosis))
                     (doubtful(diagnosis))
                     (outside(diagnosis))
                 }
@@ -119,6 +120,18 @@ fn doubtful(diagnosis: &Diagnosis) -> Markup {
             @for far in wording::far_values(&diagnosis.far_values()) { p class="fact" { "Far value: " (far) "." } }
             @if let Some(moving) = &diagnosis.unsettled { p class="fact" { "The refit did not converge: " (wording::still_moving(moving)) "." } }
             @for used in wording::used_up(&diagnosis.machine_after, &diagnosis.tolerances()) { p class="fact" { "Tolerance: " (used) "." } }
+        }
+    }
+}
+
+/// What a search that its limit has ended did not try, and what was slow.
+fn unfinished(diagnosis: &Diagnosis) -> Markup {
+    let searched = &diagnosis.selection.searched;
+    html! {
+        @if !searched.is_finished() {
+            p class="fact" { "Not tried, or not to the end: " (wording::not_tried(searched)) "." }
+            p class="fact" { "Slow: " (wording::slow(searched)) "." }
+            @if let Some(best) = wording::best_so_far(&diagnosis.selection) { p class="fact" { "Best so far: " (best) "." } }
         }
     }
 }

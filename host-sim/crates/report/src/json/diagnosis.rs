@@ -49,6 +49,11 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "machine": diagnosis.machine,
         "since": diagnosis.since.as_ref().map(|held| held.iter().map(|effect| effect.name).collect::<Vec<_>>()),
         "verdict": diagnosis.verdict,
+        "unfinished": wording::limit_reached(&diagnosis.selection.searched).map(|sentence| json!({
+            "sentence": sentence, "limit_s": diagnosis.selection.searched.limit_s,
+            "not_tried": wording::not_tried(&diagnosis.selection.searched), "slow": wording::slow(&diagnosis.selection.searched),
+            "best_so_far": wording::best_so_far(&diagnosis.selection),
+        })),
         "plausibility": diagnosis.doubts.iter().map(doubt).collect::<Vec<_>>(),
         "far_values": diagnosis.far_values().iter().map(|far| {
             json!({

@@ -26,6 +26,7 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     for shown in wording::structure_shown(diagnosis) {
         let _ = writeln!(text, "structure  {shown}");
     }
+    text += &unfinished(diagnosis);
     text += &doubtful(diagnosis);
     if exhibits.preprocessing.iter().any(|of| of.taken_as_absolute) {
         let _ = writeln!(text, "{}", wording::taken_as_absolute());
@@ -129,6 +130,20 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
 /// Whether nothing that the refit says of the machine means anything, because the position does not come about as it does in the model.
 pub(crate) fn is_structure_wrong(diagnosis: &Diagnosis) -> bool {
     diagnosis.verdict == Verdict::Unexplained && diagnosis.structure.follows()
+}
+
+/// What a search that its limit has ended did not try, and what was slow.
+fn unfinished(diagnosis: &Diagnosis) -> String {
+    let (mut text, searched) = (String::new(), &diagnosis.selection.searched);
+    if searched.is_finished() {
+        return text;
+    }
+    let _ = writeln!(text, "not tried  {} (or not to the end)", wording::not_tried(searched));
+    let _ = writeln!(text, "slow       {}; --time-limit gives it longer", wording::slow(searched));
+    if let Some(best) = wording::best_so_far(&diagnosis.selection) {
+        let _ = writeln!(text, "best so far {best}");
+    }
+    text
 }
 
 /// What is doubtful about the recordings for this drive, and values that the refit has moved far or not brought to rest.
@@ -240,6 +255,14 @@ fn verdict(diagnosis: &Diagnosis) -> String {
                 None => format!("nothing missing: the refitted model {follows}"),
             };
             format!("{name}: {nothing}{}", held_out(diagnosis))
+        }
+        Verdict::Unexplained if let Some(reached) = wording::limit_reached(&diagnosis.selection.searched) => {
+            let misfit = if diagnosis.left.is_empty() {
+                "the refitted model follows the training recordings within their noise"
+            } else {
+                "there is a misfit above the noise"
+            };
+            format!("{name}: unexplained so far: {misfit}; {reached}")
         }
         Verdict::Unexplained if let Some(outside) = &diagnosis.outside => format!(
             "{name}: unexplained by the drive itself; probable cause outside it: {}; no effect of the catalogue explains as much",

@@ -13,6 +13,7 @@ mod still_moving;
 mod structure;
 mod tests_to_make;
 mod tolerance;
+mod unfinished;
 mod unit;
 
 pub use change::{change, doubt_of_then, found, most_changed, other_oil, unchanged};
@@ -28,4 +29,5 @@ pub use still_moving::still_moving;
 pub use structure::{shown, structure, structure_shown, yardstick};
 pub use tests_to_make::{look_alikes, separated_by};
 pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
+pub use unfinished::{best_so_far, limit_reached, not_tried, slow};
 pub use unit::unit_doubt;

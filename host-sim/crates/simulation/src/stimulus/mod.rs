@@ -10,15 +10,18 @@ use std::sync::Arc;
 use load_balance::{balance, light_damping, pressure_force};
 
 use machine_file::LoadSource;
+use model_core::drive::Drive;
 use model_core::drive::{DriveInput, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Bases, Machine, Parameter, Source, Tick};
+use model_core::number::PerUnit;
 use model_core::number::{Number, Scalar};
 use model_core::ports::{Flows, Spool};
 use recording::{Recording, Signal};
 
 use crate::error::SimulateError;
-use crate::grid::{Grid, Origin};
+use crate::grid::{Grid, Origin, is_sparse};
+use crate::initial_state::DELAY_LINE;
 use crate::recorded_start::{Start, start};
 use crate::sensor_fault::Mended;
 use crate::whitening::Whitening;
@@ -109,6 +112,13 @@ pub fn is_driven_by_pressures(source: Source, recording: &Recording) -> bool {
 #[must_use]
 pub fn natural_tick(recording: &Recording) -> Tick {
     if recording.sample_interval_s() < 0.75e-3 { Tick::HalfMillisecond } else { Tick::OneMillisecond }
+}
+
+/// The tick that suits a recording of this machine: as [`natural_tick`], and 2 ms where the rows are sparse and the step computes the machine at that.
+#[must_use]
+pub fn tick_for(recording: &Recording, machine: &Machine<f64>) -> Tick {
+    let is_carried = || Drive::<PerUnit>::new::<DELAY_LINE>(machine, Tick::TwoMilliseconds).is_ok();
+    if is_sparse(recording.time_s()) && is_carried() { Tick::TwoMilliseconds } else { natural_tick(recording) }
 }
 
 impl Stimulus {

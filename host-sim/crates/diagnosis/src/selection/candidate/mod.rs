@@ -9,10 +9,11 @@ mod uncertainty;
 use identification::parallel;
 use refit::{FINELY, PRECISION};
 
+use identification::effort::Effort;
 use identification::experiment::Prepared;
 use identification::fit::residuals::counts_from;
 use identification::fit::{
-    Counts, Fit, FitError, Free, Residuals, coarse, inflation, loss, settle, softened, with_channel_tolerances,
+    Counts, Fit, FitError, Free, Residuals, coarse, inflation, loss, settle, softened, staged, with_channel_tolerances,
 };
 use model_core::machine::{Machine, Parameter};
 
@@ -50,6 +51,11 @@ impl Question<'_> {
     /// Times its noise from which a model that no accepted effect mends is unexplained.
     pub(crate) fn unexplained_from(&self) -> f64 {
         if self.has_tolerances() { UNEXPLAINED_BY_SHEET_FROM } else { UNEXPLAINED_FROM }
+    }
+
+    /// The meter of its recordings.
+    pub(crate) fn effort(&self) -> Effort {
+        self.training.first().map(|case| case.effort.clone()).unwrap_or_default()
     }
 
     /// The base parameters with their nominal values.
@@ -147,7 +153,11 @@ impl Candidate {
     /// all later fits. Returns that refit.
     pub fn tolerated(scene: &Scene<'_>, base_parameters: &[Free], training: &mut [Prepared]) -> Result<Fit, FitError> {
         with_channel_tolerances(scene.machine, training, |training| {
-            Ok(Self::rough(&Question { scene, base_parameters, hypotheses: &[], training }, None)?.fit)
+            let first = Self::rough(&Question { scene, base_parameters, hypotheses: &[], training }, None)?.fit;
+            if !training.iter().any(|case| case.is_sparse()) {
+                return Ok(first);
+            }
+            staged(scene.machine, base_parameters, training, first, SETTLED)
         })
     }
 

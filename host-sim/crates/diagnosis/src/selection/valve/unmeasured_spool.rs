@@ -18,6 +18,7 @@ use crate::selection::likelihood::ranked_by;
 use crate::selection::outcome::{JumpEvidence, JumpsFound, Selection};
 use crate::selection::round::{candidates, finished, trial};
 use crate::selection::screen::with;
+use crate::selection::searched::{Clock, Stage};
 
 /// Widths of a play, of full travel, from which the search for a play starts.
 const WIDTHS: [f64; 2] = [0.01, 0.03];
@@ -109,7 +110,8 @@ impl Selection {
         let Some(stiction) = question.form_with(&[Parameter::StictionBand, Parameter::StictionKept]) else {
             return Ok(());
         };
-        if is_seen(question) {
+        // A jump lasts some tens of milliseconds: between rows that are further apart it leaves nothing.
+        if is_seen(question) || question.scene.is_sparse {
             return Ok(());
         }
         let is_play = |one: &Chosen| one.has(Parameter::HysteresisWidth);
@@ -118,6 +120,26 @@ impl Selection {
         if self.chosen.worst_over_noise(question) < SPACING_SOUGHT_FROM || (has(&is_play) && has(&is_stiction)) {
             return Ok(());
         }
+        let mut clock = Clock::of(question);
+        if clock.effort().is_used_up() {
+            self.searched.leave(Stage::Jumps);
+            return Ok(());
+        }
+        let found = self.sought_jumps(question, stiction, done);
+        self.searched.did(Stage::Jumps, clock.lap_s());
+        found
+    }
+
+    /// The same, where they may be found.
+    fn sought_jumps(
+        &mut self,
+        question: &Question<'_>,
+        stiction: Chosen,
+        done: &(impl Fn(&str) + Sync),
+    ) -> Result<(), FitError> {
+        let is_play = |one: &Chosen| one.has(Parameter::HysteresisWidth);
+        let is_stiction = |one: &Chosen| one.has(Parameter::StictionBand);
+        let has = |is: &dyn Fn(&Chosen) -> bool| self.chosen.effects.iter().any(is);
         let following = if has(&is_play) {
             Some(self.chosen.clone())
         } else {

@@ -6,6 +6,7 @@
 
 use identification::parallel;
 
+use identification::effort::Effort;
 use identification::experiment::Prepared;
 use identification::fit::FitError;
 use identification::input_noise::by_noise_of_input;
@@ -23,6 +24,7 @@ use crate::selection::misfit_ranking::ranked_by_misfit;
 use crate::selection::outcome::Trial;
 use crate::selection::round::{enter, explains_enough, finished, reduced, trial};
 use crate::selection::search::open_to;
+use crate::selection::searched::Stage;
 
 impl Side {
     /// The effects that the signals of this side choose.
@@ -30,12 +32,14 @@ impl Side {
         self,
         question: &Question<'_>,
         followed: &[Prepared],
+        effort: &Effort,
         done: &(impl Fn(&str) + Sync),
     ) -> Result<Course, FitError> {
         let base_parameters = self.base_parameters(question);
         let effects = question.hypotheses.iter().copied();
         let hypotheses: Vec<_> = effects.filter(|effect| Self::of_effect(effect) == self).collect();
         let mut training = self.judging(followed);
+        training.iter_mut().for_each(|case| case.effort = effort.clone());
         let near = Candidate::tolerated(question.scene, &base_parameters, &mut training)?;
         let training: Vec<&Prepared> = training.iter().collect();
         let own = Question {
@@ -147,9 +151,15 @@ impl Course {
     /// Looks for effects on each side of the recorded spool, and takes over the found effects that the whole model accepts.
     pub(crate) fn join(&mut self, question: &Question<'_>, done: &(impl Fn(&str) + Sync)) -> Result<(), FitError> {
         let Some(followed) = followed(question.training, question.scene.machine)? else { return Ok(()) };
-        let searched = |side: Side| side.searched(question, &followed, done);
-        let (valve, below) = rayon::join(|| searched(Side::Valve), || searched(Side::Below));
+        let all = question.effort();
+        let (began_s, of_valve, of_below) = (all.spent_s(), all.apart(), all.apart());
+        let searched = |side: Side, effort: &Effort| side.searched(question, &followed, effort, done);
+        let (valve, below) = rayon::join(|| searched(Side::Valve, &of_valve), || searched(Side::Below, &of_below));
         let (valve, below) = (valve?, below?);
+        [of_valve, of_below].iter().for_each(|one| all.join(one, began_s));
+        if !(valve.searched.is_finished() && below.searched.is_finished()) {
+            self.searched.leave(Stage::Sides);
+        }
         let start = below.base.fit.beside(&valve.base.fit);
         if let Some(better) = Candidate::below(question, &start, self.base.fit.loss)? {
             self.rebase(better);

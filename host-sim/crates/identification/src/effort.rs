@@ -1,0 +1,142 @@
+//! What simulations cost, counted by their ticks and not by a clock: the same recordings cost the same on every machine, so that a search that ends by
+//! its limit ends everywhere at the same place.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Processor time of a tick of a simulation, ns, beside others in SIMD lanes. Measured on the machine of `BENCHMARKS.md`, as the next two.
+const PLAIN_NS: u64 = 75;
+/// The same of a tick with derivatives, without them.
+const DERIVED_NS: u64 = 100;
+/// What each eight derivatives add.
+const EIGHT_DERIVATIVES_NS: u64 = 220;
+
+/// Cores that a limit in seconds is meant for.
+const CORES: f64 = 2.0;
+
+/// Work done for a recording and all that share its meter, and the limit of it.
+#[derive(Clone, Debug)]
+pub struct Effort {
+    spent_ns: Arc<AtomicU64>,
+    limit_ns: u64,
+}
+
+impl Default for Effort {
+    /// Without a limit.
+    fn default() -> Self {
+        Self { spent_ns: Arc::default(), limit_ns: u64::MAX }
+    }
+}
+
+/// How much was worked for a recording is no part of what it holds.
+impl PartialEq for Effort {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Effort {
+    /// Nothing spent yet of this time on two cores, s.
+    #[must_use]
+    pub fn within(limit_s: f64) -> Self {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a negative time is none, a huge one no limit"
+        )]
+        Self { limit_ns: (limit_s * CORES * 1e9) as u64, ..Self::default() }
+    }
+
+    /// A meter of its own that begins where this one stands, for one of several searches that run side by side: what one of them may still spend does not
+    /// depend on how far the others are.
+    #[must_use]
+    pub fn apart(&self) -> Self {
+        Self { spent_ns: Arc::new(AtomicU64::new(self.spent_ns())), limit_ns: self.limit_ns }
+    }
+
+    /// Adds what a search with a meter of its own has spent since this one stood at `from_s`.
+    pub fn join(&self, other: &Self, from_s: f64) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a positive time that was counted in ns"
+        )]
+        let began = (from_s * CORES * 1e9).round() as u64;
+        self.add(other.spent_ns().saturating_sub(began));
+    }
+
+    /// What a simulation of this many ticks with derivatives by so many parameters costs, s on two cores.
+    #[must_use]
+    pub fn of_derivatives_s(ticks: usize, parameters: usize) -> f64 {
+        derived_ns(ticks, parameters) as f64 * 1e-9 / CORES
+    }
+
+    /// Counts a simulation of this many ticks.
+    pub(crate) fn simulated(&self, ticks: usize) {
+        self.add(ticks as u64 * PLAIN_NS);
+    }
+
+    /// Counts a simulation with derivatives by this many parameters.
+    pub(crate) fn derived(&self, ticks: usize, parameters: usize) {
+        self.add(derived_ns(ticks, parameters));
+    }
+
+    /// What was spent so far, s on two cores.
+    #[must_use]
+    pub fn spent_s(&self) -> f64 {
+        self.spent_ns() as f64 * 1e-9 / CORES
+    }
+
+    /// The limit, s on two cores; `None` where there is none.
+    #[must_use]
+    pub fn limit_s(&self) -> Option<f64> {
+        (self.limit_ns < u64::MAX).then(|| self.limit_ns as f64 * 1e-9 / CORES)
+    }
+
+    /// Whether the limit is reached. Several searches that share a meter must not ask while they run side by side.
+    #[must_use]
+    pub fn is_used_up(&self) -> bool {
+        self.spent_ns() >= self.limit_ns
+    }
+
+    fn spent_ns(&self) -> u64 {
+        self.spent_ns.load(Ordering::Relaxed)
+    }
+
+    fn add(&self, ns: u64) {
+        self.spent_ns.fetch_add(ns, Ordering::Relaxed);
+    }
+}
+
+fn derived_ns(ticks: usize, parameters: usize) -> u64 {
+    ticks as u64 * (DERIVED_NS + EIGHT_DERIVATIVES_NS * parameters.div_ceil(8) as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_share_a_meter_and_searches_side_by_side_have_their_own() {
+        let all = Effort::within(1.0);
+        let copy = all.clone();
+        copy.derived(1_000_000, 12);
+        assert!(all.spent_s() > 0.0 && !all.is_used_up());
+        let (began_s, one, other) = (all.spent_s(), all.apart(), all.apart());
+        one.simulated(1_000_000);
+        let spent_s = one.spent_s() - began_s;
+        assert!(spent_s > 0.0 && (all.spent_s() - began_s).abs() < 1e-12 && (other.spent_s() - began_s).abs() < 1e-12);
+        all.join(&one, began_s);
+        assert!((all.spent_s() - began_s - spent_s).abs() < 1e-8);
+        all.derived(10_000_000, 12);
+        assert!(all.is_used_up() && !other.is_used_up());
+    }
+
+    #[test]
+    fn without_a_limit_it_is_never_used_up() {
+        let all = Effort::default();
+        all.derived(1_000_000_000, 60);
+        assert!(!all.is_used_up() && all.limit_s().is_none());
+        assert_eq!(Effort::within(2.5).limit_s(), Some(2.5));
+    }
+}
