@@ -152,7 +152,7 @@ fn of_two_effects_held_out_recordings_take_out_the_one_they_gain_nothing_by() {
         rounds: vec![Vec::new(), Vec::new()],
         joined: Vec::new(),
         jumps: None,
-        searched: Default::default(),
+        searched: diagnosis::selection::Searched::default(),
     };
     assert!(selection.refused(&question, &[]).unwrap().is_empty(), "nothing is held out that could speak against it");
     let refused: Vec<&str> = selection.refused(&question, &held).unwrap().iter().map(|effect| effect.name).collect();

@@ -59,9 +59,10 @@ pub struct Arguments {
     /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz
     #[arg(long, value_enum, value_name = "ms")]
     tick: Option<input::TickArgument>,
-    /// What the search may take on two cores, in s. It is counted in simulated ticks, so that the answer is the same on every machine; a search that
-    /// does not come to its own end claims nothing and says what it did not try
-    #[arg(long, value_name = "s", default_value_t = Options::USUAL_LIMIT_S, value_parser = seconds)]
+    /// What the search may take, in s on two cores; without it 5 minutes. It is counted in simulated ticks at a fixed price and not by a clock, so that the same input gives the
+    /// same answer on every machine: a slow or busy machine takes longer. A search that reaches the limit ends with the step that it is in, says what it
+    /// did not try and what was slow, and claims nothing
+    #[arg(long, value_name = "s", default_value_t = Options::USUAL_LIMIT_S, value_parser = seconds, allow_negative_numbers = true)]
     time_limit: f64,
     /// Write the diagnosis for programs
     #[arg(long, value_name = "D.json")]
@@ -222,10 +223,10 @@ fn diagnose_then(
     Ok(Some(then.verdict))
 }
 
-/// A time in seconds.
+/// A limit in seconds.
 fn seconds(text: &str) -> Result<f64, String> {
     let found = text.parse::<f64>().ok().filter(|seconds| seconds.is_finite() && *seconds > 0.0);
-    found.ok_or_else(|| "expected seconds above 0, such as 300".to_owned())
+    found.ok_or_else(|| format!("`{text}` is no limit of time; expected seconds above 0, such as 300"))
 }
 
 /// A bar over the steps of a diagnosis.

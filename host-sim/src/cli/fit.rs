@@ -142,7 +142,7 @@ fn near(machine: &Machine<f64>, free: &[Free], prepared: &mut [Prepared]) -> Res
     /// The first search ends when the loss falls by less than this share in a step.
     const SETTLED: f64 = 1e-3;
     with_channel_tolerances(machine, prepared, |cases| {
-        let first = first_search(machine, free, cases, SETTLED)?;
-        if cases.iter().any(|case| case.is_sparse()) { staged(machine, free, cases, first, SETTLED) } else { Ok(first) }
+        let is_sparse = cases.iter().any(|case| case.is_sparse());
+        if is_sparse { staged(machine, free, cases, SETTLED) } else { first_search(machine, free, cases, SETTLED) }
     })
 }

@@ -148,3 +148,20 @@ fn the_papers_tables_stand_beside_the_papers_figures() {
         assert!(printed.contains(expected), "{expected} in {printed}");
     }
 }
+
+#[test]
+fn a_search_that_its_limit_has_ended_is_done_and_says_what_it_did_not_try() {
+    let folder = tempfile::tempdir().unwrap();
+    let [machine, one, two] = ["machine.toml", "train-1.csv", "train-2.csv"].map(example);
+    let diagnose = ["diagnose", "--machine", &machine, "--train", &one, &two, "--time-limit", "0.01"];
+    let output = run(folder.path(), &diagnose);
+    assert_eq!(output.status.code(), Some(0));
+    let printed = text(&output.stdout);
+    let first = printed.lines().next().unwrap();
+    assert!(first.contains("unexplained so far") && first.contains("reached its limit of 0.0100 s"), "{first}");
+    assert!(printed.contains("not tried  single effects"), "{printed}");
+    let with_code = run(folder.path(), &[diagnose.as_slice(), &["--exit-code"]].concat());
+    assert_eq!(with_code.status.code(), Some(1));
+    let help = text(&run(folder.path(), &["diagnose", "--help"]).stdout);
+    assert!(help.contains("--time-limit <s>") && help.contains("[default: 300]"), "{help}");
+}

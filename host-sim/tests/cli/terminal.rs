@@ -205,6 +205,11 @@ const WRONG: &[(&str, &str, &str, &str)] = &[
         "900",
         "at most 100 %",
     ),
+    ("diagnose --time-limit 0 folder", "`0` is no limit of time", "0", "seconds above 0, such as 300"),
+    ("diagnose --time-limit -5 folder", "`-5` is no limit of time", "-5", "seconds above 0, such as 300"),
+    ("diagnose --time-limit nan folder", "`nan` is no limit of time", "nan", "seconds above 0, such as 300"),
+    ("diagnose --time-limit inf folder", "`inf` is no limit of time", "inf", "seconds above 0, such as 300"),
+    ("diagnose --time-limit 5min folder", "`5min` is no limit of time", "5min", "seconds above 0, such as 300"),
     (
         "plan --machine machine.toml --sensors position,pressure_a:3mm",
         "noise `3mm` of pressure_a",

@@ -246,9 +246,10 @@ pub fn improved(
     tables.sort_by(|a, b| a.2.fit.loss.total_cmp(&b.2.fit.loss));
     tables.truncate(FINISHED);
     let left_out = base.left_out(question)?;
+    let precision = if question.scene.is_sparse { base.precision(question) } else { PRECISION };
     let mut best: Option<(f64, Candidate, Quantity, Vec<Axis>)> = None;
     for (&(quantity, _), over, rough) in tables {
-        let candidate = fitted(question, base, Some(&rough), quantity, &over, PRECISION)?;
+        let candidate = fitted(question, base, Some(&rough), quantity, &over, precision)?;
         let Some(net) = net(&left_out, &candidate.left_out(question)?, count(&over), question.counts()) else {
             continue;
         };

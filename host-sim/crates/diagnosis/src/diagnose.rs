@@ -162,7 +162,9 @@ pub fn diagnose_with(
         None => (training, without.clone()),
     };
     let seen = Seen { asked, recordings: looked_at.0, cases: &looked_at.1, is_excerpt: excerpt.is_some() };
-    let tables_in = outside.is_none().then_some(opened.as_slice());
+    // Sparse rows that a model follows only with a value that no such drive has tell no table either.
+    let tells_tables = outside.is_none() && !(is_impossible && scene.is_sparse);
+    let tables_in = tells_tables.then_some(opened.as_slice());
     let Place { located, tabled } =
         seen.place(plain_base, (verdict, &decided, suspected), tables_in, &mut selection.searched)?;
     let Decision { findings, not_confirmed, confirmation, after, estimates } = decided;

@@ -9,8 +9,8 @@ pub struct Options {
     pub tick: Option<Tick>,
     /// Whether the effects that the machine file holds may have become more or less since it was written: each that has is a finding.
     pub asks_since: bool,
-    /// What the search may cost, s on two cores of the machine of `BENCHMARKS.md`; `None`: as much as it takes. It is counted in simulated ticks and
-    /// not by a clock, so that the answer is the same on every machine.
+    /// What the search may cost, s on two cores, by the prices of [`identification::effort`]; `None`: as much as it takes. It is counted in simulated
+    /// ticks and not by a clock, so that the answer is the same on every machine.
     pub limit_s: Option<f64>,
 }
 

@@ -1,10 +1,15 @@
 //! What simulations cost, counted by their ticks and not by a clock: the same recordings cost the same on every machine, so that a search that ends by
 //! its limit ends everywhere at the same place.
+//!
+//! A tick has a fixed price in processor time. It is about what one core of a present x86-64 server takes for it:
+//! `cargo test --release -p identification --lib effort::tests::price -- --ignored --nocapture` measures it where it runs. A machine that is twice as slow
+//! takes twice as long as a limit says. What is no simulation (linear algebra, statistics, reading and reports) is not counted; in the diagnoses of the
+//! project's recordings it is a tenth of the whole.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Processor time of a tick of a simulation, ns, beside others in SIMD lanes. Measured on the machine of `BENCHMARKS.md`, as the next two.
+/// Price of a tick of a simulation, ns, beside others in SIMD lanes.
 const PLAIN_NS: u64 = 75;
 /// The same of a tick with derivatives, without them.
 const DERIVED_NS: u64 = 100;
@@ -114,7 +119,17 @@ fn derived_ns(ticks: usize, parameters: usize) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Instant;
+
+    use machine_file::LoadSource;
+    use model_core::machine::Parameter as P;
+    use recording::Signal;
+    use test_press::{recorded_for, with_papers_valve};
+
     use super::*;
+    use crate::experiment::Prepared;
+    use crate::fit::residuals::{runs, simulated};
+    use crate::fit::{Free, From, StartState, fit};
 
     #[test]
     fn copies_share_a_meter_and_searches_side_by_side_have_their_own() {
@@ -138,5 +153,50 @@ mod tests {
         all.derived(1_000_000_000, 60);
         assert!(!all.is_used_up() && all.limit_s().is_none());
         assert_eq!(Effort::within(2.5).limit_s(), Some(2.5));
+    }
+
+    /// What a tick costs here on one core beside the price that it is counted at.
+    #[test]
+    #[ignore = "measures times"]
+    fn price_of_a_tick_here() {
+        let machine = with_papers_valve();
+        let read = recorded_for(&machine, &[(Signal::Position, 1e-5)], 20_000);
+        let case = Prepared::new(&read, &machine, LoadSource::Constant, None).unwrap();
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let timed = |what: &str, work: &(dyn Fn() + Sync)| {
+            one.install(work);
+            let (spent_s, start) = (case.effort.spent_s(), Instant::now());
+            one.install(work);
+            let counted_s = CORES * (case.effort.spent_s() - spent_s);
+            println!("{what}: {:.2} of the price", start.elapsed().as_secs_f64() / counted_s);
+        };
+        timed("without derivatives", &|| {
+            let runs = runs(&machine, (0..8).map(|_| (&case, StartState::default())));
+            simulated(&machine, &runs, |_| true).unwrap();
+        });
+        let values = [
+            P::ValveGain,
+            P::DeadZone,
+            P::TimeConstant1,
+            P::TimeConstant2,
+            P::TransportDelay,
+            P::FlowCoefficient,
+            P::BulkModulus,
+            P::ViscousFriction,
+            P::ValveOffset,
+            P::MovingMass,
+            P::LoadForce,
+            P::VolumeA,
+        ];
+        for count in [6, 12] {
+            let around = |&parameter: &P| {
+                let value = machine.get(parameter);
+                Free::around(parameter, value, 0.1 * value.abs().max(0.1))
+            };
+            let free: Vec<Free> = values[..count].iter().map(around).collect();
+            timed(&format!("with {count} derivatives"), &|| {
+                fit(&machine, &free, &[&case], &From::default(), 1e-3).unwrap();
+            });
+        }
     }
 }

@@ -88,13 +88,13 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// Whether so few rows were recorded that the fast half of a drive does not show: at 50 Hz or less.
+/// Whether so few rows were recorded that the fast half of a drive does not show: below 50 Hz.
 #[must_use]
 pub fn is_sparse(time_s: &[f64]) -> bool {
-    /// A tenth of it, 2 ms, is the coarsest tick of the core.
-    const SPARSE_FROM_S: f64 = 0.02;
+    /// 50 Hz by a clock that is a hundredth slow: a tenth of it, 2 ms, is the coarsest tick of the core.
+    const SPARSE_FROM_S: f64 = 1.01 / 50.0;
     let intervals = time_s.len().saturating_sub(1).max(1) as f64;
-    time_s.last().zip(time_s.first()).is_some_and(|(last, first)| (last - first) / intervals >= SPARSE_FROM_S)
+    time_s.last().zip(time_s.first()).is_some_and(|(last, first)| (last - first) / intervals > SPARSE_FROM_S)
 }
 
 /// A series with one value for each row, at other times in their order: linear between rows, held before the first and after the last.
@@ -116,6 +116,14 @@ pub fn between_rows(row_s: &[f64], values: &[f64], times_s: impl Iterator<Item =
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_are_sparse_below_50_hz_and_not_at_it() {
+        let every = |row_s: f64| is_sparse(&(0..1000).map(|row| f64::from(row) * row_s).collect::<Vec<_>>());
+        assert!(!every(1e-3) && !every(0.02) && !every(0.020_01));
+        assert!(every(0.0205) && every(0.053));
+        assert!(!is_sparse(&[]) && !is_sparse(&[1.0]));
+    }
 
     #[test]
     fn rows_are_joined_by_straight_lines() {

@@ -8,6 +8,7 @@ use diagnosis::correction_table::{Axis, Unnamed};
 use diagnosis::localisation::error_shape::Shape;
 use diagnosis::localisation::{Habit, Miss};
 use diagnosis::outside::{Cause, Outside, Push};
+use diagnosis::selection::Selection;
 use diagnosis::{Diagnosis, Finding};
 
 use super::{evidence, structure};
@@ -49,11 +50,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "machine": diagnosis.machine,
         "since": diagnosis.since.as_ref().map(|held| held.iter().map(|effect| effect.name).collect::<Vec<_>>()),
         "verdict": diagnosis.verdict,
-        "unfinished": wording::limit_reached(&diagnosis.selection.searched).map(|sentence| json!({
-            "sentence": sentence, "limit_s": diagnosis.selection.searched.limit_s,
-            "not_tried": wording::not_tried(&diagnosis.selection.searched), "slow": wording::slow(&diagnosis.selection.searched),
-            "best_so_far": wording::best_so_far(&diagnosis.selection),
-        })),
+        "unfinished": unfinished(&diagnosis.selection),
         "plausibility": diagnosis.doubts.iter().map(doubt).collect::<Vec<_>>(),
         "far_values": diagnosis.far_values().iter().map(|far| {
             json!({
@@ -178,6 +175,20 @@ fn tolerance(diagnosis: &Diagnosis, one: &Tolerated) -> Value {
         "size": size(machine, one.parameter, one.value).map(|size| size.within_tolerance()),
         "sentence": wording::at_limit(machine, one),
     })
+}
+
+/// What a search that its limit has ended did not try, and what its parts cost; null where it came to its own end.
+fn unfinished(selection: &Selection) -> Value {
+    let searched = &selection.searched;
+    let part = |(part, seconds): (String, f64)| json!({ "part": part, "seconds": seconds });
+    let told = wording::limit_reached(searched).map(|sentence| {
+        json!({
+            "sentence": sentence, "limit_s": searched.limit_s, "not_tried": wording::not_tried(searched),
+            "spent": wording::spent(searched).into_iter().map(part).collect::<Vec<_>>(),
+            "best_so_far": wording::best_so_far(selection),
+        })
+    });
+    told.unwrap_or_default()
 }
 
 /// A doubt about the recordings: the sentence, the changes that remove it, and the numbers behind it.

@@ -138,7 +138,7 @@ fn unfinished(diagnosis: &Diagnosis) -> String {
     if searched.is_finished() {
         return text;
     }
-    let _ = writeln!(text, "not tried  {} (or not to the end)", wording::not_tried(searched));
+    let _ = writeln!(text, "not tried  {} (or not to the end)", wording::not_tried(searched).join(", "));
     let _ = writeln!(text, "slow       {}; --time-limit gives it longer", wording::slow(searched));
     if let Some(best) = wording::best_so_far(&diagnosis.selection) {
         let _ = writeln!(text, "best so far {best}");

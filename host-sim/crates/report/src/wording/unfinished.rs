@@ -15,18 +15,24 @@ pub fn limit_reached(searched: &Searched) -> Option<String> {
 
 /// What was not tried, or not to the end.
 #[must_use]
-pub fn not_tried(searched: &Searched) -> String {
-    searched.left_out.iter().map(|left| stage(*left)).collect::<Vec<_>>().join(", ")
+pub fn not_tried(searched: &Searched) -> Vec<String> {
+    searched.left_out.iter().map(|left| stage(*left)).collect()
 }
 
 /// What each part cost, the dearest first, in seconds on two cores.
 #[must_use]
-pub fn slow(searched: &Searched) -> String {
+pub fn spent(searched: &Searched) -> Vec<(String, f64)> {
     let mut parts = searched.spent_s.clone();
     parts.retain(|(_, spent_s)| *spent_s > 0.0);
     parts.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let each = |&(part, spent_s): &(Stage, f64)| format!("{} {} s", stage(part), significant(spent_s, 2));
-    parts.iter().map(each).collect::<Vec<_>>().join(", ")
+    parts.into_iter().map(|(part, spent_s)| (stage(part), spent_s)).collect()
+}
+
+/// The same in a sentence.
+#[must_use]
+pub fn slow(searched: &Searched) -> String {
+    let each = |(part, spent_s): (String, f64)| format!("{part} {} s", significant(spent_s, 2));
+    spent(searched).into_iter().map(each).collect::<Vec<_>>().join(", ")
 }
 
 /// The likeliest candidate model so far. It is no finding.
@@ -71,7 +77,7 @@ mod tests {
         searched.left_out = vec![Stage::Effects(2), Stage::Outside];
         let first = limit_reached(&searched).unwrap();
         assert_eq!(first, "the search reached its limit of 5.00 s before everything was tried, so nothing is claimed");
-        assert_eq!(not_tried(&searched), "pairs of effects, causes outside the drive");
+        assert_eq!(not_tried(&searched), ["pairs of effects", "causes outside the drive"]);
         assert_eq!(slow(&searched), "single effects 3.9 s, refit of the base parameters 1.3 s");
     }
 }

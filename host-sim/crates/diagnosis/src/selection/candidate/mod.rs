@@ -7,7 +7,7 @@ mod restart;
 mod uncertainty;
 
 use identification::parallel;
-use refit::{FINELY, PRECISION};
+use refit::{FINELY, FINELY_OF, PRECISION};
 
 use identification::effort::Effort;
 use identification::experiment::Prepared;
@@ -129,19 +129,27 @@ impl Candidate {
 
     /// The machine file's model with the precision of the reference for all candidate models.
     fn to_the_end(&self, question: &Question<'_>) -> Result<Self, FitError> {
-        Self::base_parameters(question, Some(&self.fit), self.negligible().min(PRECISION))
+        Self::base_parameters(question, Some(&self.fit), self.negligible(question).min(PRECISION))
     }
 
-    /// A share of the loss that is not worth a step: where residuals are correlated over n rows, a fall of the loss has n times less significance.
-    fn negligible(&self) -> f64 {
-        let share = inflation(&self.residuals, self.counts) * FINELY;
+    /// A share of the loss that is not worth a step: where residuals are correlated over n rows, a fall of the loss has n times less significance, and of
+    /// sparse rows there are fewer altogether.
+    fn negligible(&self, question: &Question<'_>) -> f64 {
+        let samples: usize = self.residuals.iter().flatten().map(Vec::len).sum();
+        let fewer = if question.scene.is_sparse { (FINELY_OF / samples.max(1) as f64).max(1.0) } else { 1.0 };
+        let share = inflation(&self.residuals, self.counts) * FINELY * fewer;
         // Without residuals there is no such share.
         if share.is_finite() { share } else { FINELY }
     }
 
-    /// A refit from here to the end: the more its residuals are correlated, the earlier a further step is worth nothing.
-    fn to_its_end(&self) -> Goes<'static> {
-        Goes::ToTheEnd(self.negligible().clamp(PRECISION, SETTLED))
+    /// The precision of a refit from here to the end: the more its residuals are correlated, the earlier a further step is worth nothing.
+    pub(crate) fn precision(&self, question: &Question<'_>) -> f64 {
+        self.negligible(question).clamp(PRECISION, SETTLED)
+    }
+
+    /// A refit from here to the end.
+    fn to_its_end(&self, question: &Question<'_>) -> Goes<'static> {
+        Goes::ToTheEnd(self.precision(question))
     }
 
     /// The machine file's model, roughly refitted.
@@ -150,14 +158,13 @@ impl Candidate {
     }
 
     /// Refits the machine file's model and sets the tolerance of every channel to the misfit of that refit: residuals far beyond it count linearly in
-    /// all later fits. Returns that refit.
+    /// all later fits. Returns that refit; of sparse rows it is searched in stages.
     pub fn tolerated(scene: &Scene<'_>, base_parameters: &[Free], training: &mut [Prepared]) -> Result<Fit, FitError> {
         with_channel_tolerances(scene.machine, training, |training| {
-            let first = Self::rough(&Question { scene, base_parameters, hypotheses: &[], training }, None)?.fit;
-            if !training.iter().any(|case| case.is_sparse()) {
-                return Ok(first);
+            if scene.is_sparse {
+                return staged(scene.machine, base_parameters, training, SETTLED);
             }
-            staged(scene.machine, base_parameters, training, first, SETTLED)
+            Ok(Self::rough(&Question { scene, base_parameters, hypotheses: &[], training }, None)?.fit)
         })
     }
 
@@ -177,7 +184,7 @@ impl Candidate {
         }
         let values = [(extension.given, taken.iter().sum::<f64>() / taken.len() as f64)];
         let effects = others.iter().copied().chain([Chosen { effect, form }]).collect();
-        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: self.to_its_end() };
+        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: self.to_its_end(question) };
         Self::refitted(question, effects, self.jumps.clone(), &from).map(Some)
     }
 
@@ -188,7 +195,7 @@ impl Candidate {
 
     /// Refitted to the end from its own solution, except for these starting values.
     fn again_from(&self, question: &Question<'_>, values: &[(Parameter, f64)]) -> Result<Self, FitError> {
-        let from = Beginning { fit: &self.fit, values, settled: &[], goes: self.to_its_end() };
+        let from = Beginning { fit: &self.fit, values, settled: &[], goes: self.to_its_end(question) };
         Self::refitted(question, self.effects.clone(), self.jumps.clone(), &from)
     }
 
@@ -197,7 +204,7 @@ impl Candidate {
         let effects = other.effects.iter().chain(&self.effects).copied().collect();
         let jumps = other.jumps.iter().chain(&self.jumps).copied().collect();
         let fit = self.fit.beside(&other.fit);
-        let from = Beginning { fit: &fit, values: &[], settled: &[], goes: self.to_its_end() };
+        let from = Beginning { fit: &fit, values: &[], settled: &[], goes: self.to_its_end(question) };
         Self::refitted(question, effects, jumps, &from)
     }
 
@@ -213,7 +220,7 @@ impl Candidate {
         let gone = std::mem::replace(&mut effects[index], by);
         let mut jumps = self.jumps.clone();
         jumps.retain(|(parameter, _)| !is_jump(gone.form, *parameter));
-        let from = Beginning { fit: &self.fit, values, settled: &[], goes: self.to_its_end() };
+        let from = Beginning { fit: &self.fit, values, settled: &[], goes: self.to_its_end(question) };
         Self::refitted(question, effects, jumps, &from)
     }
 
@@ -241,7 +248,7 @@ impl Candidate {
                 .map(|base_parameters| (base_parameters, fitted(base_parameters) - fitted(effect_parameter.parameter)))
         };
         let values: Vec<_> = gone.iter().flat_map(|chosen| chosen.form.iter()).filter_map(left).collect();
-        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: self.to_its_end() };
+        let from = Beginning { fit: &self.fit, values: &values, settled: &[], goes: self.to_its_end(question) };
         Self::refitted(question, kept, jumps, &from)
     }
 

@@ -12,8 +12,10 @@ use crate::selection::screen::with;
 
 /// The search ends when the loss falls by less than this share in a step.
 pub(crate) const PRECISION: f64 = 1e-5;
-/// The same for the base, against which all candidate models are measured: with twenty thousand samples a hundredth of a unit of log-likelihood.
+/// The same for the base, against which all candidate models are measured: with [so many](FINELY_OF) samples a hundredth of a unit of log-likelihood.
 pub(crate) const FINELY: f64 = 1e-6;
+/// Samples of some recordings of seconds at a high rate.
+pub(crate) const FINELY_OF: f64 = 20_000.0;
 /// The same for one of several starts; the search goes on from the best.
 pub(crate) const NEARLY: f64 = 1e-4;
 /// The same for a model from which another search begins.

@@ -39,7 +39,9 @@ impl Side {
         let effects = question.hypotheses.iter().copied();
         let hypotheses: Vec<_> = effects.filter(|effect| Self::of_effect(effect) == self).collect();
         let mut training = self.judging(followed);
-        training.iter_mut().for_each(|case| case.effort = effort.clone());
+        for case in &mut training {
+            case.effort = effort.clone();
+        }
         let near = Candidate::tolerated(question.scene, &base_parameters, &mut training)?;
         let training: Vec<&Prepared> = training.iter().collect();
         let own = Question {
@@ -156,7 +158,9 @@ impl Course {
         let searched = |side: Side, effort: &Effort| side.searched(question, &followed, effort, done);
         let (valve, below) = rayon::join(|| searched(Side::Valve, &of_valve), || searched(Side::Below, &of_below));
         let (valve, below) = (valve?, below?);
-        [of_valve, of_below].iter().for_each(|one| all.join(one, began_s));
+        for one in [of_valve, of_below] {
+            all.join(&one, began_s);
+        }
         if !(valve.searched.is_finished() && below.searched.is_finished()) {
             self.searched.leave(Stage::Sides);
         }

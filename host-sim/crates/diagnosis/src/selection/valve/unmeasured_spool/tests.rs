@@ -36,7 +36,7 @@ fn jumps(
         rounds: Vec::new(),
         joined: Vec::new(),
         jumps: None,
-        searched: Default::default(),
+        searched: crate::selection::Searched::default(),
     };
     selection.find_jumps(&question, &|_| ()).unwrap();
     let names = selection.chosen.names();
