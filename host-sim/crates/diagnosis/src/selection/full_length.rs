@@ -85,8 +85,16 @@ impl Selection {
 
 /// The machine file's model on the whole: refitted to the end only where it is near the noise, since a model that lacks an effect never quite
 /// converges.
+///
+/// A part with few rows may have a valley that the whole has not: then the machine file's values are a second beginning.
 fn base(question: &Question<'_>, from: &Candidate) -> Result<Candidate, FitError> {
-    let rough = Candidate::rough(question, Some(&from.fit))?;
+    let mut rough = Candidate::rough(question, Some(&from.fit))?;
+    if question.scene.is_sparse {
+        let nominal = Candidate::rough(question, None)?;
+        if nominal.fit.loss < rough.fit.loss {
+            rough = nominal;
+        }
+    }
     if rough.worst_over_noise(question) < WHOLE_REFITTED_BELOW { rough.finished(question) } else { Ok(rough) }
 }
 
