@@ -73,7 +73,7 @@ mod tests {
     fn an_unfinished_search_says_what_it_left_out_and_what_was_slow() {
         let mut searched = Searched { limit_s: Some(5.0), ..Searched::default() };
         assert_eq!(limit_reached(&searched), None);
-        searched.spent_s = vec![(Stage::Base, 1.25), (Stage::Effects(1), 3.9)];
+        searched.spent_s = vec![(Stage::Base, 1.3), (Stage::Effects(1), 3.9)];
         searched.left_out = vec![Stage::Effects(2), Stage::Outside];
         let first = limit_reached(&searched).unwrap();
         assert_eq!(first, "the search reached its limit of 5.00 s before everything was tried, so nothing is claimed");
