@@ -47,7 +47,7 @@ fn a_recording_that_is_too_long_is_named_with_its_duration_in_few_digits() {
     for command in [&SIMULATE[..], &COMPARE, &diagnose, &fit] {
         let message = refused(folder.path(), command);
         let expected =
-            "error: run.csv: 1.23e300 s, more than the simulation takes at a tick of 1 ms; expected at most 50000 s";
+            "error: run.csv: 1.23e300 s, more than the simulation takes at a tick of 2 ms; expected at most 100000 s";
         assert!(message.contains(expected) && message.len() < 400, "{message}");
     }
 }
@@ -94,6 +94,7 @@ fn errors_of_the_machine_file_show_their_line() {
         assert!(message.contains(expected) && message.contains("machine.toml:"), "{message}");
         assert_eq!(message, refused(folder.path(), &COMPARE));
     }
+    let recording = "time [s],command [V],position [m]\n0,0,0\n0.001,0,0.1\n";
     let folder = folder_with(&MACHINE.replace("gain_per_v = 0.0559", "transport_delay_s = 0.9"), recording);
     let message = refused(folder.path(), &SIMULATE);
     assert!(message.contains("machine.toml: valve.transport_delay_s = 0.9 s"), "{message}");

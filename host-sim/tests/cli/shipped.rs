@@ -159,7 +159,7 @@ fn a_search_that_its_limit_has_ended_is_done_and_says_what_it_did_not_try() {
     let printed = text(&output.stdout);
     let first = printed.lines().next().unwrap();
     assert!(first.contains("unexplained so far") && first.contains("reached its limit of 0.0100 s"), "{first}");
-    assert!(printed.contains("not tried  single effects"), "{printed}");
+    assert!(printed.contains("\nnot tried  ") && printed.contains("single effects"), "{printed}");
     let with_code = run(folder.path(), &[diagnose.as_slice(), &["--exit-code"]].concat());
     assert_eq!(with_code.status.code(), Some(1));
     let help = text(&run(folder.path(), &["diagnose", "--help"]).stdout);
