@@ -209,15 +209,11 @@ impl<N: Number> Drive<N> {
         drive_input: DriveInput<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
-        let force = match (drive_input, &self.source) {
-            (DriveInput::Force { from, to }, _) => Some((from, to)),
-            (_, OilSource::None) => Some((N::ZERO, N::ZERO)),
-            _ => None,
-        };
-        if let Some((from, to)) = force {
-            let seen = self.step_force(state, from + load.from, to + load.to);
-            self.step_beside(state);
-            return seen;
+        if let DriveInput::Force { from, to } = drive_input {
+            return self.step_under_force(state, from + load.from, to + load.to);
+        }
+        if matches!(self.source, OilSource::None) {
+            return self.step_under_force(state, load.from, load.to);
         }
         let closed = Flows { a: N::ZERO, b: N::ZERO };
         let given = |from, to| AnyFeed::Given { from, to, unity: self.chambers.unity };
@@ -238,6 +234,14 @@ impl<N: Number> Drive<N> {
             _ => given(closed, closed),
         };
         let seen = Links { chambers, mechanics, ..self.links() }.step::<AnyEffect, DELAY>(state, &feed, load);
+        self.step_beside(state);
+        seen
+    }
+
+    /// One tick under a given force, load included. Out of line, so that it takes no registers from the other steps.
+    #[inline(never)]
+    fn step_under_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
+        let seen = self.step_force(state, from, to);
         self.step_beside(state);
         seen
     }

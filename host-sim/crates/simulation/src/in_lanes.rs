@@ -148,8 +148,10 @@ impl<'a> InLanes<'a> {
         let kept = self.state.oil_temperature.values();
         let oil = |lane: usize| stimuli[lane].oil_at(tick, &bases).unwrap_or(kept[lane]);
         self.state.oil_temperature = Lanes::new(from_fn(oil));
-        self.state.supply.other_flow =
-            Lanes::new(stimuli.map(|stimulus| f64::saturated(stimulus.others_at(tick, &bases))));
+        if stimuli.iter().any(|stimulus| stimulus.knows_others()) {
+            let others = |stimulus: &Stimulus| f64::saturated(stimulus.others_at(tick, &bases).unwrap_or_default());
+            self.state.supply.other_flow = Lanes::new(stimuli.map(others));
+        }
         let load = |index: usize| read(Stimulus::load, index, bases.force_n);
         self.drive.step(&mut self.state, drive_input, Load { from: load(tick), to: load(tick + 1) });
     }

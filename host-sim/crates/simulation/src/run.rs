@@ -232,7 +232,9 @@ pub(crate) fn run_on<N: Scalar>(
         if point > 0 {
             let tick = point - 1;
             let drive_input = entered(machine, edges.as_ref(), state, stimulus.drive_input_at(tick, &bases));
-            state.supply.other_flow = N::saturated(stimulus.others_at(tick, &bases));
+            if let Some(flow) = stimulus.others_at(tick, &bases) {
+                state.supply.other_flow = N::saturated(flow);
+            }
             if let Some(temperature) = stimulus.oil_at(tick, &bases) {
                 state.oil_temperature = temperature;
             }

@@ -389,10 +389,10 @@ impl Stimulus {
         self.other_flow.is_some()
     }
 
-    /// Mean flow that other consumers take over a tick, per unit; 0 where none is recorded.
-    pub(crate) fn others_at(&self, tick: usize, bases: &Bases) -> f64 {
-        let at = |index: usize| self.other_flow.as_ref().map_or(0.0, |flow| value_at(flow, index));
-        f64::midpoint(at(tick), at(tick + 1)) / bases.flow_m3_per_s
+    /// Mean flow that other consumers take over a tick, per unit; `None` where none is recorded.
+    pub(crate) fn others_at(&self, tick: usize, bases: &Bases) -> Option<f64> {
+        let flow = self.other_flow.as_ref()?;
+        Some(f64::midpoint(value_at(flow, tick), value_at(flow, tick + 1)) / bases.flow_m3_per_s)
     }
 
     /// Measured temperature of the oil at the start of a tick, per unit.
