@@ -129,6 +129,12 @@ fn machine() -> impl Strategy<Value = Machine<f64>> {
         if part > 0.0 {
             machine.set(floor, -1.01e5 + (tank + 1.01e5) * part);
         }
+        // Its linkage has to close over the whole stroke: both sides are alike here, and no shorter than that.
+        let (base, retracted) = (Parameter::LinkageBase, Parameter::LinkageLengthRetracted);
+        let side_m = machine.get(base).max(machine.get(Parameter::Stroke));
+        machine.set(base, side_m);
+        machine.set(Parameter::LinkageArm, side_m);
+        machine.set(retracted, machine.get(retracted).min(side_m));
         machine
     })
 }
