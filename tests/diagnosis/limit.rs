@@ -57,6 +57,8 @@ fn a_search_that_is_ended_by_its_limit_claims_nothing_and_says_what_it_did_not_t
             assert!(!first.contains("confirmed") && !first.contains("nothing missing"), "{first}");
             assert!(!text.contains("no effect of the catalogue explains"), "{text}");
             assert!(text.contains("\nnot tried  ") && text.contains("\nslow       "), "{text}");
+            assert!(!page.contains("No effect that was tried explains"), "{share}");
+            assert!(!text.contains("\nstructure  ") && document["structure"].is_null(), "{text}");
             assert!(page.contains("reached its limit") && !page.contains("confirmed on"), "{share}");
             let unfinished = &document["unfinished"];
             assert!(!unfinished["not_tried"].as_array().unwrap().is_empty(), "{unfinished}");

@@ -219,6 +219,9 @@ fn diagnose_then(
     bar.finish_and_clear();
     let then = then.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause })?;
     console.note(format_args!("then: {}", terminal::sentence(&then)));
+    if !then.selection.searched.is_finished() {
+        return Err(CliError::ThenUnfinished { machine: job.machine.clone() });
+    }
     job.file = then.machine_file(&job.file);
     Ok(Some(then.verdict))
 }

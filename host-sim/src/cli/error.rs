@@ -143,6 +143,14 @@ pub enum CliError {
         /// Why.
         cause: DiagnoseError,
     },
+    /// The search of the recordings of then did not come to its end.
+    #[error(
+        "{machine}: the search of the recordings of then reached its limit, so it is not known what was there then; expected one that ends by itself: give it longer by --time-limit"
+    )]
+    ThenUnfinished {
+        /// The machine file.
+        machine: PathBuf,
+    },
     /// The recordings can hardly be those of the machine file's drive.
     #[error(
         "the recordings do not fit {machine}: {doubts}; expected recordings of this drive: mend the channel (a sensor's `zero` and `full` in [channels] turn and scale it) or the machine file, or give --as-recorded"

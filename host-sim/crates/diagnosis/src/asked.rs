@@ -106,6 +106,11 @@ impl<'a> Asked<'a> {
             beside.searched = beside.searched.after(&selection.searched);
             beside
         };
+        // Beside a search that did not come to its end no cause is told.
+        if !beside.searched.is_finished() {
+            selection.searched = beside.searched;
+            return Ok(None);
+        }
         let opened: Vec<&Prepared> = held.iter().collect();
         let (was, is) = (&selection.base.fit.machine, &beside.base.fit.machine);
         let in_held = found.force.in_others(is, &opened)?;

@@ -180,6 +180,7 @@ pub fn diagnose_with(
     let of_spool = valve.into_iter().flat_map(|valve| valve.estimates);
     let refitted = of_base(&moves.free, &findings, of_spool.chain(estimates));
     let structure = structure(linear, &shown, &file.machine, &recorded_supply(training.iter().chain(held_out)));
+    let structure = if selection.searched.is_finished() { structure } else { structure.unclaimed() };
     Ok(Diagnosis {
         machine: file.name.clone(),
         since: asks_since.then(|| on.clone()),
@@ -243,7 +244,7 @@ fn scene<'a>(
         judged,
         travel_m: travelled(machine, trained),
         duration_s: trained.iter().map(Prepared::duration_s).fold(0.0, f64::max),
-        is_sparse: trained.iter().any(Prepared::is_sparse),
+        is_sparse: trained.iter().all(Prepared::is_sparse),
         lowest_pa: lowest_pressure(machine, trained)?,
         held: &[],
         changeable: &[],

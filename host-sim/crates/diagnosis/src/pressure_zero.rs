@@ -49,7 +49,7 @@ pub fn read_absolute(file: &MachineFile, training: &[Recording], tick: Option<Ti
         judged: &judged,
         travel_m: travelled(&file.machine, &gauge),
         duration_s: gauge.iter().map(Prepared::duration_s).fold(0.0, f64::max),
-        is_sparse: gauge.iter().any(Prepared::is_sparse),
+        is_sparse: gauge.iter().all(Prepared::is_sparse),
         lowest_pa: f64::INFINITY,
         held: &[],
         changeable: &[],

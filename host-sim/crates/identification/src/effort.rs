@@ -52,11 +52,13 @@ impl Effort {
         Self { limit_ns: (limit_s * CORES * 1e9) as u64, ..Self::default() }
     }
 
-    /// A meter of its own that begins where this one stands, for one of several searches that run side by side: what one of them may still spend does not
-    /// depend on how far the others are.
+    /// A meter of its own that begins where this one stands, for one of two searches that run side by side: each may spend half of what is left, however
+    /// far the other is.
     #[must_use]
     pub fn apart(&self) -> Self {
-        Self { spent_ns: Arc::new(AtomicU64::new(self.spent_ns())), limit_ns: self.limit_ns }
+        let spent_ns = self.spent_ns();
+        let limit_ns = spent_ns + self.limit_ns.saturating_sub(spent_ns) / 2;
+        Self { spent_ns: Arc::new(AtomicU64::new(spent_ns)), limit_ns }
     }
 
     /// Adds what a search with a meter of its own has spent since this one stood at `from_s`.

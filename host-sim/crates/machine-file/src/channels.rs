@@ -13,9 +13,10 @@ use crate::reader::{NUMBER, Reader};
 
 /// The key of the zero of all pressure sensors.
 pub(crate) const PRESSURE: &str = "pressure";
-/// The last is one of another consumer of the supply that is known by its command: what it takes at the full reading.
+/// The last is one of other consumers alone.
 const KEYS: [&str; 4] = ["column", "zero", "full", FULL_FLOW];
-const FULL_FLOW: &str = "full_flow_m3_per_s";
+/// What another consumer of the supply that is known by its command takes at the full reading.
+pub(crate) const FULL_FLOW: &str = "full_flow_m3_per_s";
 
 impl Reader<'_> {
     /// Reads the table: a header in quotation marks, or a table of `column`, `zero` and `full`, for each signal.
@@ -91,6 +92,10 @@ impl Reader<'_> {
             }
             Ok(span)
         };
+        if Signal::OTHER_FLOWS.contains(&signal) && sensor.get("full").is_some() && sensor.get(FULL_FLOW).is_none() {
+            let meaning = "the flow that the other consumer takes at its full command";
+            return Err(MachineFileError::MissingKey { place, key: FULL_FLOW, unit: "m3/s", meaning });
+        }
         let full = spans("full")? / spans(FULL_FLOW)?;
         Ok(Mapping { header, required: false, scale: Some(Scale { zero, full }) })
     }

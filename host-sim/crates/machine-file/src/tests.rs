@@ -391,6 +391,8 @@ fn another_consumer_is_known_by_its_flow_or_by_its_command() {
     };
     assert_error!(other("other_flow", "0"), MachineFileError::NoSpan { .. });
     assert_error!(other("flow", "1e-4"), MachineFileError::UnknownKey { .. });
+    let without = "[channels]\nother_flow = { column = \"x\", full = 10.0 }";
+    assert_error!(refused("supply", without, 6), MachineFileError::MissingKey { key: "full_flow_m3_per_s", .. });
 }
 
 #[test]

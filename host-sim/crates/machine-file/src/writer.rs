@@ -9,9 +9,9 @@ use model_core::machine::Parameter;
 use recording::files::atomic;
 use recording::files::source_error::Place;
 use recording::linkage::Rises;
-use recording::{PressureZero, Scale};
+use recording::{PressureZero, Scale, Signal};
 
-use crate::channels::PRESSURE;
+use crate::channels::{FULL_FLOW, PRESSURE};
 use crate::error::MachineFileError;
 use crate::keys::{self, EFFECTS};
 use crate::linkage::{ANGLES, LINKAGE, POSITIONS, RISES};
@@ -129,6 +129,9 @@ impl MachineFile {
                         sensor.insert("column", Value::from(mapping.header.as_str()));
                         sensor.insert("zero", Value::from(zero));
                         sensor.insert("full", Value::from(full));
+                        if Signal::OTHER_FLOWS.contains(&signal) {
+                            sensor.insert(FULL_FLOW, Value::from(1.0));
+                        }
                         Value::from(sensor)
                     },
                 );

@@ -88,13 +88,23 @@ impl<'a> Grid<'a> {
     }
 }
 
+/// The middle one of the intervals between rows, s.
+fn median_interval_s(time_s: &[f64]) -> f64 {
+    let mut intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = intervals.len() / 2;
+    if intervals.is_empty() { 0.0 } else { *intervals.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
 /// Whether so few rows were recorded that the fast half of a drive does not show: below 50 Hz.
 #[must_use]
 pub fn is_sparse(time_s: &[f64]) -> bool {
     /// 50 Hz by a clock that is a hundredth slow: a tenth of it, 2 ms, is the coarsest tick of the core.
     const SPARSE_FROM_S: f64 = 1.01 / 50.0;
     let intervals = time_s.len().saturating_sub(1).max(1) as f64;
-    time_s.last().zip(time_s.first()).is_some_and(|(last, first)| (last - first) / intervals > SPARSE_FROM_S)
+    let mean_is =
+        time_s.last().zip(time_s.first()).is_some_and(|(last, first)| (last - first) / intervals > SPARSE_FROM_S);
+    // A gap makes no row rarer.
+    mean_is && median_interval_s(time_s) > SPARSE_FROM_S
 }
 
 /// A series with one value for each row, at other times in their order: linear between rows, held before the first and after the last.
@@ -123,6 +133,9 @@ mod tests {
         assert!(!every(1e-3) && !every(0.02) && !every(0.020_01));
         assert!(every(0.0205) && every(0.053));
         assert!(!is_sparse(&[]) && !is_sparse(&[1.0]));
+        // A pause between two quick stretches makes no row rarer.
+        let pause = (0..2000).map(|row| 1e-3 * f64::from(row) + if row < 1000 { 0.0 } else { 300.0 });
+        assert!(!is_sparse(&pause.collect::<Vec<_>>()));
     }
 
     #[test]

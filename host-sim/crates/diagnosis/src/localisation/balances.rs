@@ -149,16 +149,15 @@ impl Observed {
     }
 
     fn flow_link(&self, machine: &Machine<f64>, case: &Case<'_>) -> Result<Vec<RowFlow>, MachineError> {
-        const SUPPLY_STEP: f64 = 1.01;
+        const SUPPLY_STEP: f64 = 0.01;
         const TANK_STEP_PA: f64 = 1e4;
         const SPOOL_STEP: f64 = 1e-3;
         const PRESSURE_STEP: f64 = 1e-3;
         let (supply, leakage) = (machine.get(Parameter::SupplyPressure), machine.get(Parameter::InternalLeakage));
         let tick = case.prepared.stimulus.tick;
         let link = |machine: &Machine<f64>| Drive::<f64>::new::<DELAY_LINE>(machine, tick);
-        let (mut raised, mut backed) = (*machine, *machine);
-        raised.set(Parameter::SupplyPressure, SUPPLY_STEP * supply);
-        backed.set(Parameter::TankPressure, machine.get(Parameter::TankPressure) + TANK_STEP_PA);
+        let (raised, supply_step) = stepped(machine, Parameter::SupplyPressure, SUPPLY_STEP * supply);
+        let (backed, tank_step) = stepped(machine, Parameter::TankPressure, TANK_STEP_PA);
         let (drive, raised, backed) = (link(machine)?, link(&raised)?, link(&backed)?);
         let speed = case.recording.signal(Signal::PumpSpeed);
         let direction = case.recording.signal(Signal::ValveDirection);
@@ -196,13 +195,20 @@ impl Observed {
                     } else {
                         (0.0, 0.0)
                     },
-                    by_supply: per(at(&raised, x, a, b), (SUPPLY_STEP - 1.0) * supply),
-                    by_tank: per(at(&backed, x, a, b), TANK_STEP_PA),
+                    by_supply: per(at(&raised, x, a, b), supply_step),
+                    by_tank: per(at(&backed, x, a, b), tank_step),
                     yield_per_pa: ((-by_a.0).max(0.0), by_b.1.max(0.0)),
                 }
             })
             .collect())
     }
+}
+
+/// A machine with one parameter moved by a step, and the step: downwards where the parameter is at the end of its range.
+fn stepped(machine: &Machine<f64>, parameter: Parameter, step: f64) -> (Machine<f64>, f64) {
+    let value = machine.get(parameter);
+    let step = if value + step > parameter.description().max { -step } else { step };
+    (machine.with(&[(parameter, value + step)]), step)
 }
 
 /// Slope of a series at each row: of a straight line fitted to the rows of half a window around it.
@@ -343,4 +349,20 @@ pub fn spool_residuals(missed: &[f64], windows: &[Window]) -> Vec<Residual> {
             sigma: noise * window.variance(|_| [1.0, 0.0, 0.0]).sqrt(),
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use test_press::press;
+
+    use super::*;
+
+    #[test]
+    fn a_parameter_at_the_end_of_its_range_steps_back_into_it() {
+        let most = Parameter::TankPressure.description().max;
+        for (value, step) in [(2e5, 1e4), (most, -1e4)] {
+            let (machine, taken) = stepped(&press(&[(Parameter::TankPressure, value)]), Parameter::TankPressure, 1e4);
+            assert!((taken - step).abs() < 1e-9 && machine.check().is_ok(), "{value}");
+        }
+    }
 }

@@ -37,10 +37,10 @@ pub struct Searched {
 }
 
 impl Searched {
-    /// Whether it came to its own end: only then it may claim anything.
+    /// Whether it came to its own end: only then it may claim anything. Correction tables come after the verdict, which they do not change.
     #[must_use]
     pub fn is_finished(&self) -> bool {
-        self.left_out.is_empty()
+        self.left_out.iter().all(|stage| *stage == Stage::Tables)
     }
 
     /// What it cost in all, s on two cores.

@@ -7,7 +7,7 @@ mod uncommanded;
 
 use identification::fit::loss;
 use identification::yardstick::{Linear, Shape, Yardstick};
-use model_core::machine::Machine;
+use model_core::machine::{Machine, Source};
 use recording::Signal;
 use simulation::InputPoint;
 
@@ -65,6 +65,12 @@ pub enum Shows {
 }
 
 impl Structure {
+    /// The linear models alone: where not every effect was tried, the structure is not blamed for what an effect may explain.
+    pub(crate) fn unclaimed(self) -> Self {
+        let measured = self.measured.into_iter().map(|measured| Measured { is_better: false, ..measured });
+        Self { measured: measured.collect(), shows: Vec::new(), ..self }
+    }
+
     /// The signal of which the machine's model ends clearly below the yardstick; the position first.
     #[must_use]
     pub fn below(&self) -> Option<&Measured> {
@@ -90,7 +96,9 @@ pub(crate) fn structure(
     let measured: Vec<Measured> =
         linear.into_iter().filter_map(|yardstick| measured(yardstick, shown, training)).collect();
     let driven_by = shown.first().map(|shown| shown.prepared.stimulus.input_point);
-    let knows_others = shown.iter().any(|shown| shown.prepared.stimulus.knows_others());
+    // Only a valve's supply has a balance that they belong to.
+    let takes_others = machine.source == Source::Valve;
+    let knows_others = takes_others && shown.iter().any(|shown| shown.prepared.stimulus.knows_others());
     let knows_supply = knows_others || supply_pa.iter().any(Option::is_some);
     let mut shows = Vec::new();
     let below = measured.iter().find(|measured| measured.is_better && measured.yardstick.signal == Signal::Position);

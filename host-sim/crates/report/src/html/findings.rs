@@ -23,7 +23,11 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
         @if diagnosis.verdict == Verdict::Unexplained {
             section {
                 h2 { "What" }
-                p { "No effect that was tried explains it on recordings left out of the fit. Its place and shape are described above." }
+                @if diagnosis.selection.searched.is_finished() {
+                    p { "No effect that was tried explains it on recordings left out of the fit. Its place and shape are described above." }
+                } @else {
+                    p { "The search ended at its limit: no effect was held against recordings left out of the fit." }
+                }
                 (not_confirmed(diagnosis))
                 @if let Some(unnamed) = &diagnosis.unnamed {
                     p class="fact" { (capital(&wording::correction_table(unnamed))) ". It can be used in the controller, but it does not explain the cause." }

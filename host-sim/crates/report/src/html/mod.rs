@@ -128,10 +128,10 @@ fn doubtful(diagnosis: &Diagnosis) -> Markup {
 fn unfinished(diagnosis: &Diagnosis) -> Markup {
     let searched = &diagnosis.selection.searched;
     html! {
-        @if !searched.is_finished() {
+        @if !searched.left_out.is_empty() {
             p class="fact" { "Not tried, or not to the end: " (wording::not_tried(searched).join(", ")) "." }
             p class="fact" { "Slow: " (wording::slow(searched)) "." }
-            @if let Some(best) = wording::best_so_far(&diagnosis.selection) { p class="fact" { "Best so far: " (best) "." } }
+            @if let Some(best) = wording::best_so_far(&diagnosis.selection).filter(|_| !searched.is_finished()) { p class="fact" { "Best so far: " (best) "." } }
         }
     }
 }

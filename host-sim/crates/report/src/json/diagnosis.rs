@@ -181,7 +181,7 @@ fn tolerance(diagnosis: &Diagnosis, one: &Tolerated) -> Value {
 fn unfinished(selection: &Selection) -> Value {
     let searched = &selection.searched;
     let part = |(part, seconds): (String, f64)| json!({ "part": part, "seconds": seconds });
-    let told = wording::limit_reached(searched).map(|sentence| {
+    let told = wording::left_out(searched).map(|sentence| {
         json!({
             "sentence": sentence, "limit_s": searched.limit_s, "not_tried": wording::not_tried(searched),
             "spent": wording::spent(searched).into_iter().map(part).collect::<Vec<_>>(),

@@ -135,12 +135,12 @@ pub(crate) fn is_structure_wrong(diagnosis: &Diagnosis) -> bool {
 /// What a search that its limit has ended did not try, and what was slow.
 fn unfinished(diagnosis: &Diagnosis) -> String {
     let (mut text, searched) = (String::new(), &diagnosis.selection.searched);
-    if searched.is_finished() {
+    if searched.left_out.is_empty() {
         return text;
     }
     let _ = writeln!(text, "not tried  {} (or not to the end)", wording::not_tried(searched).join(", "));
     let _ = writeln!(text, "slow       {}; --time-limit gives it longer", wording::slow(searched));
-    if let Some(best) = wording::best_so_far(&diagnosis.selection) {
+    if let Some(best) = wording::best_so_far(&diagnosis.selection).filter(|_| !searched.is_finished()) {
         let _ = writeln!(text, "best so far {best}");
     }
     text

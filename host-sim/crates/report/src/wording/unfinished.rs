@@ -13,6 +13,13 @@ pub fn limit_reached(searched: &Searched) -> Option<String> {
     Some(format!("the search reached its limit{limit} before everything was tried, so nothing is claimed"))
 }
 
+/// What a search left out by its limit, in a sentence: nothing is claimed then, unless tables alone were left out, which change no verdict.
+#[must_use]
+pub fn left_out(searched: &Searched) -> Option<String> {
+    let tables = || format!("the search reached its limit before {} were tried", stage(Stage::Tables));
+    limit_reached(searched).or_else(|| (!searched.left_out.is_empty()).then(tables))
+}
+
 /// What was not tried, or not to the end.
 #[must_use]
 pub fn not_tried(searched: &Searched) -> Vec<String> {
@@ -42,7 +49,7 @@ pub fn best_so_far(selection: &Selection) -> Option<String> {
     let best = trials.max_by(|a, b| a.net.total_cmp(&b.net))?;
     let effects: Vec<&str> = best.effects.iter().map(|effect| effect.name).collect();
     Some(format!(
-        "{} (log-likelihood gain {}): no finding, as its alternatives were not all tried",
+        "{} (log-likelihood gain {}): no finding, as not everything was tried",
         effects.join(" + "),
         significant(best.net, 3)
     ))

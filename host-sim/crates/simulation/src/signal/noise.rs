@@ -59,7 +59,8 @@ fn uneven_resolution(values: &[f64]) -> f64 {
     if (repeats as f64) < REPEATS * values.len() as f64 {
         return 0.0;
     }
-    let mut sorted = values.to_vec();
+    // A reading of −0 is one of 0.
+    let mut sorted: Vec<f64> = values.iter().map(|value| value + 0.0).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let levels: Vec<&[f64]> = sorted.chunk_by(|a, b| a.to_bits() == b.to_bits()).collect();
     // Readings of a rod that moves on from row to row lie as far apart as it goes in a row: most levels occur once.
@@ -141,6 +142,12 @@ mod tests {
             let found = resolution(&values);
             assert!((found / mean - 1.0).abs() < 0.1, "{found} {mean}");
             assert!((noise(&values, found) / (mean / 12.0_f64.sqrt()) - 1.0).abs() < 0.25, "{}", noise(&values, found));
+            // A level at 0 that is written with either sign is one level.
+            let middle = values[values.len() / 3];
+            let signed = |(row, y): (usize, &f64)| if row % 2 == 0 { y - middle } else { -(middle - y) };
+            let about_zero: Vec<f64> = values.iter().enumerate().map(signed).collect();
+            assert!(about_zero.iter().any(|y| y.to_bits() == (-0.0_f64).to_bits()));
+            assert!((resolution(&about_zero) / found - 1.0).abs() < 0.01, "{} {found}", resolution(&about_zero));
         }
     }
 
