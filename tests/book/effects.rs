@@ -72,7 +72,7 @@ fn example(effect_parameter: &EffectParameter, scene: &Scene<'_>) -> f64 {
     let (low, high) = effect_parameter.range(scene);
     match effect_parameter.kind {
         Kind::Signed(_) => high / 2.0,
-        Kind::Place(..) | Kind::Floor(..) => f64::midpoint(low, high),
+        Kind::Place(..) | Kind::Floor(..) | Kind::Setting(..) => f64::midpoint(low, high),
         _ => (low * high).sqrt(),
     }
 }

@@ -15,6 +15,7 @@ mod hall;
 mod in_a_hall;
 mod joint_angle;
 mod limit;
+mod load_holding;
 mod long;
 mod measured_force;
 mod oil;

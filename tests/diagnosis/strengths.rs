@@ -140,7 +140,8 @@ fn flow(effect: FlowEffect, drawn: &Drawn, found: &Machine<f64>) -> Vec<Measured
             let found = |opening: f64| opening * (1.0 + linear * opening) + beyond * (opening - notch).max(0.0);
             of("curvature of the gain", curvature(&|opening| curve.shaped(opening)), curvature(&found))
         }
-        FlowEffect::PumpRipple { .. } | FlowEffect::OtherConsumer { .. } => Vec::new(),
+        // Not drawn here, or not in the catalogue.
+        FlowEffect::Counterbalance(_) | FlowEffect::PumpRipple { .. } | FlowEffect::OtherConsumer { .. } => Vec::new(),
     }
 }
 

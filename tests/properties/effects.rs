@@ -80,7 +80,12 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
                             let (low, high) = range(&scene);
                             shaped.set(effect_parameter.parameter, 0.5 * (low + high));
                         }
-                        Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_) | Kind::Floor(..) => {}
+                        Kind::Amount(_)
+                        | Kind::Firm(_)
+                        | Kind::Jump(_)
+                        | Kind::Signed(_)
+                        | Kind::Floor(..)
+                        | Kind::Setting(..) => {}
                     }
                 }
                 assert_eq!(in_fixed_point(&shaped), without.0, "{}", effect.name);

@@ -93,9 +93,15 @@ impl SideEffects {
 }
 
 /// Effects that are not drawn here: leakage past the piston, hoses and Coulomb friction come with the machines, and a valve-controlled
-/// drive has no pump. A new effect belongs in one of the three lists.
-pub const NOT_DRAWN: [Effect; 4] =
-    [Effect::InternalLeakage, Effect::HoseCompliance, Effect::CoulombFriction, Effect::PumpSlip];
+/// drive has no pump; a load-holding valve, whose pilot may keep a drive swinging, has its own laws in model-core (`tests/effects/load_holding.rs`).
+/// A new effect belongs in one of the three lists.
+pub const NOT_DRAWN: [Effect; 5] = [
+    Effect::InternalLeakage,
+    Effect::HoseCompliance,
+    Effect::CoulombFriction,
+    Effect::PumpSlip,
+    Effect::Counterbalance,
+];
 
 /// The effects behind the valve and the flow link that [`AnyEffects`] draws, by their number.
 const BEHIND: [Effect; 15] = [

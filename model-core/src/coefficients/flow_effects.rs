@@ -2,11 +2,12 @@
 
 use super::Builder;
 use crate::flow::effects::{EdgeEffects, EdgeSizes, GainCurve, ReturnLine, RoundedEdge, SLOPE_SCALE, ValveLeakage};
+use crate::flow::load_holding::LoadHolding;
 use crate::flow::supply::Droop;
 use crate::machine::{MachineError, Parameter as P};
 use crate::number::relaxation::fineness;
 use crate::number::{Number, Real};
-use crate::ports::Overlap;
+use crate::ports::{ChamberState, Overlap};
 
 /// A-T, P-B and B-T, each with the two shares by which it is larger than P-A.
 const OTHER_EDGES: [[P; 2]; 3] = [
@@ -45,14 +46,46 @@ impl<R: Real> Builder<'_, R> {
             leakage: self.unless_nil(P::ValveLeakageOpening, |opening| self.valve_leakage(opening))?,
             rounding: self.unless_nil(P::EdgeRounding, |rounding| self.rounded_edge(rounding))?,
             droop: self.unless_nil(P::DroopResistance, |resistance| self.droop(resistance))?,
+            holding: self.load_holding()?,
             slope_fraction: self.signal("a slope's scale", P::FlowCoefficient, R::ONE / R::constant(SLOPE_SCALE))?,
             slope_scale: self.steep::<N>("a slope's scale", P::FlowCoefficient, R::constant(SLOPE_SCALE))?,
         };
         self.check_largest_opening::<N>()?;
-        let EdgeEffects { curve, sizes, return_line, half_laminar, leakage, rounding, droop, .. } = &effects;
+        let EdgeEffects { curve, sizes, return_line, half_laminar, leakage, rounding, droop, holding, .. } = &effects;
         let returns = return_line.is_some() || half_laminar.is_some();
         let differ = curve.is_some() || !sizes.are_one() || returns || leakage.is_some() || rounding.is_some();
-        Ok((differ || droop.is_some()).then_some(effects))
+        Ok((differ || droop.is_some() || holding.is_some()).then_some(effects))
+    }
+
+    /// A pressure of the least that its parameter takes stands for no valve.
+    fn load_holding<N: Number<Real = R>>(&self) -> Result<Option<LoadHolding<N>>, MachineError> {
+        let pressure = R::constant(self.bases.pressure_pa);
+        let setting = |of: P| {
+            let setting = self.get(of);
+            let there = setting.value() > of.description().min;
+            if there { self.signal("load-holding pressure", of, setting / pressure).map(Some) } else { Ok(None) }
+        };
+        let settings = ChamberState { a: setting(P::HoldingSetA)?, b: setting(P::HoldingSetB)? };
+        if settings.a.is_none() && settings.b.is_none() {
+            return Ok(None);
+        }
+        let (quarter, gain) = (R::constant(0.25), self.orifice(P::FlowCoefficient));
+        let opening = R::constant(4.0) * gain * pressure / self.get(P::HoldingSpan);
+        Ok(Some(LoadHolding {
+            settings,
+            quarters: [
+                self.gain::<N>("a quarter", P::PilotRatio, quarter)?,
+                self.gain::<N>("a quarter of the pilot ratio", P::PilotRatio, quarter * self.get(P::PilotRatio))?,
+            ],
+            opening: self.steep::<N>("load-holding valve's opening per pressure", P::HoldingSpan, opening)?,
+            widest: self.signal("load-holding valve's opening", P::HoldingSize, gain * self.get(P::HoldingSize))?,
+            share: self.gain::<N>(
+                "load-holding valve's rate",
+                P::HoldingTime,
+                R::ONE - self.decay(self.get(P::HoldingTime)),
+            )?,
+            unity: self.steep::<N>("one", P::HoldingSpan, R::ONE)?,
+        }))
     }
 
     /// By how much each edge exceeds P-A: tank edges by one share, B's by another, those open while retracting by a third.

@@ -22,7 +22,7 @@ impl<N: Number> Drive<N> {
         drive_input: DriveInput<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
-        let &mut DriveState { chambers, rest, voids, motion, supply, warmth, .. } = state;
+        let &mut DriveState { chambers, rest, voids, motion, supply, poppets, warmth, .. } = state;
         let sensed = self.sensors.follows().then_some(state.sensed);
         let mut full = Cavitation::<N>::full(&voids);
         let (mut drive_input, mut again) = (drive_input, true);
@@ -50,7 +50,7 @@ impl<N: Number> Drive<N> {
             // The valve has done its tick already; the repeated tick takes the spool that resulted.
             drive_input = seen.spool.map_or(drive_input, DriveInput::Spool);
             (state.chambers, state.rest, state.voids) = (chambers, rest, voids);
-            (state.motion, state.supply, state.warmth) = (motion, supply, warmth);
+            (state.motion, state.supply, state.poppets, state.warmth) = (motion, supply, poppets, warmth);
             state.sensed = sensed.unwrap_or(state.sensed);
         }
     }

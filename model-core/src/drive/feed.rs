@@ -2,7 +2,7 @@
 
 use crate::effects::{Keeps, Vocabulary};
 use crate::flow::effects::EdgeEffects;
-use crate::flow::{Edges, Opened, Pump, PumpDrive, Root, Started, SupplyState};
+use crate::flow::{Edges, Opened, Poppets, Pump, PumpDrive, Root, Started, SupplyState};
 use crate::number::Number;
 use crate::ports::{ChamberState, Filling, Flows, Linearised, Spool};
 
@@ -37,11 +37,11 @@ pub(crate) struct Metered<'a, N: Number, E = Option<EdgeEffects<N>>> {
 }
 
 impl<'a, N: Number, E: Keeps<EdgeEffects<N>>> Metered<'a, N, E> {
-    /// The edges under a spool over one tick.
+    /// The edges under a spool over one tick, with load-holding valves that are open this far.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn new<V: Vocabulary>(edges: &'a Edges<N, E>, spool: Spool<N>) -> Self {
-        Self { edges, spool, opened: edges.opened::<V>(spool.to) }
+    pub(crate) fn new<V: Vocabulary>(edges: &'a Edges<N, E>, spool: Spool<N>, poppets: Poppets<N>) -> Self {
+        Self { edges, spool, opened: edges.opened::<V>(spool.to, poppets) }
     }
 }
 

@@ -91,7 +91,7 @@ impl<N: Number> Drive<N> {
         self.flows_from(self.unloaded().pressure, spool, pump, pressures)
     }
 
-    /// The flow link at a point, with the supply at the pressure `supply` where it droops.
+    /// The flow link at a point, with the supply at the pressure `supply` where it droops, and load-holding valves at rest.
     #[must_use]
     pub fn flows_from(&self, supply: N, spool: N, pump: PumpDrive<N>, pressures: ChamberState<N>) -> Flows<N> {
         match &self.source {
@@ -101,6 +101,17 @@ impl<N: Number> Drive<N> {
                 Flows { a: flows.a.flow, b: flows.b.flow }
             }
             OilSource::None => Flows { a: N::ZERO, b: N::ZERO },
+        }
+    }
+
+    /// The flow link at a state of the drive, with this spool or pump.
+    #[must_use]
+    pub fn flows_of<const DELAY: usize>(&self, state: &DriveState<N, DELAY>, spool: N, pump: PumpDrive<N>) -> Flows<N> {
+        match &self.source {
+            OilSource::Valve(_, edges) => {
+                edges.flow_behind(spool, state.chambers, state.supply.pressure, state.poppets)
+            }
+            _ => self.flows_from(state.supply.pressure, spool, pump, state.chambers),
         }
     }
 
@@ -126,7 +137,11 @@ impl<N: Number> Drive<N> {
             OilSource::Pump(_) | OilSource::None => ValveState::idle(),
         };
         let state = DriveState::at_rest(valve, pressures, position, self.unloaded());
-        DriveState { oil_temperature: self.reference_temperature(), ..state }
+        let poppets = match &self.source {
+            OilSource::Valve(_, edges) => edges.poppets(pressures),
+            OilSource::Pump(_) | OilSource::None => state.poppets,
+        };
+        DriveState { oil_temperature: self.reference_temperature(), poppets, ..state }
     }
 
     /// The spool that the edges see: the valve's own, plus the travel of a correction table.
@@ -191,7 +206,8 @@ impl<N: Number> Drive<N> {
             && let (DriveInput::Command(command), OilSource::Valve(valve, edges)) = (drive_input, &self.source)
         {
             let spool = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
-            return self.links().step::<Plain, DELAY>(state, &Metered::new::<Plain>(edges, spool), load);
+            let feed = Metered::new::<Plain>(edges, spool, state.poppets);
+            return self.links().step::<Plain, DELAY>(state, &feed, load);
         }
         if let Some(cavitation) = &self.chambers.effects.cavitation {
             return self.step_cavitating(cavitation, state, drive_input, load);
@@ -220,15 +236,14 @@ impl<N: Number> Drive<N> {
         let feed = match (drive_input, &self.source) {
             (DriveInput::Command(command), OilSource::Valve(valve, edges)) => {
                 let spool = Self::step_valve(state, valve, edges, command);
-                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, self.shifted(state, spool)))
+                let spool = self.shifted(state, spool);
+                Self::metered(state, edges, spool)
             }
             (DriveInput::Followed { command, spool }, OilSource::Valve(valve, edges)) => {
                 Self::step_valve(state, valve, edges, command);
-                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, spool))
+                Self::metered(state, edges, spool)
             }
-            (DriveInput::Spool(spool), OilSource::Valve(_, edges)) => {
-                AnyFeed::Edges(Metered::new::<AnyEffect>(edges, spool))
-            }
+            (DriveInput::Spool(spool), OilSource::Valve(_, edges)) => Self::metered(state, edges, spool),
             (DriveInput::Pump(drive), OilSource::Pump(pump)) => AnyFeed::Pump(pump, drive),
             (DriveInput::Flow { from, to }, _) => given(from, to),
             _ => given(closed, closed),
@@ -281,6 +296,19 @@ impl<N: Number> Drive<N> {
             AcrossEdges::NONE
         };
         valve.step_with::<AnyEffect, DELAY>(&mut state.valve, command, across)
+    }
+
+    /// The edges under a spool, and the load-holding valves, which the pressures move first.
+    #[inline]
+    fn metered<'a, const DELAY: usize>(
+        state: &mut DriveState<N, DELAY>,
+        edges: &'a Edges<N>,
+        spool: Spool<N>,
+    ) -> AnyFeed<'a, N> {
+        if let Some(holding) = edges.holding() {
+            state.poppets = holding.step(state.poppets, state.chambers);
+        }
+        AnyFeed::Edges(Metered::new::<AnyEffect>(edges, spool, state.poppets))
     }
 
     /// The spool over a tick, plus the travel of a correction table.

@@ -73,7 +73,8 @@ impl<N: Number> PaperDrive<N> {
             viscosity: None,
             unnamed: None,
         };
-        links.step::<Plain, DELAY>(state, &Metered::new::<Plain>(&self.edges, spool), load)
+        let feed = Metered::new::<Plain>(&self.edges, spool, state.poppets);
+        links.step::<Plain, DELAY>(state, &feed, load)
     }
 
     /// A drive at rest: `command` (in 10 V) held for long, no velocity.

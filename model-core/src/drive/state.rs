@@ -1,7 +1,7 @@
 //! State of a drive, its inputs in a tick, and the values that its links handed to each other.
 
 use crate::chambers::cavitation::Voids;
-use crate::flow::{PumpDrive, SupplyState};
+use crate::flow::{Poppets, PumpDrive, SupplyState};
 use crate::number::Number;
 use crate::ports::{ChamberState, Flows, Forces, MotionState, Spool, States};
 use crate::sensing::SensedState;
@@ -30,6 +30,8 @@ pub struct DriveState<N: Number, const DELAY: usize = 64> {
     pub motion: MotionState<N>,
     /// Supply pressure; constant without `supply-droop`.
     pub supply: SupplyState<N>,
+    /// Load-holding valves, with `counterbalance`.
+    pub poppets: Poppets<N>,
     /// State of the sensors.
     pub sensed: SensedState<N, DELAY>,
     /// How much of the oil's warming is done, 0..1.
@@ -118,6 +120,7 @@ impl<N: Number, const DELAY: usize> DriveState<N, DELAY> {
             voids: ChamberState { a: N::ZERO.as_travel(), b: N::ZERO.as_travel() },
             motion: MotionState::at_rest(position),
             supply,
+            poppets: Poppets { a: N::ZERO, b: N::ZERO },
             sensed: SensedState::at_rest(position),
             warmth: N::ZERO.as_travel(),
             oil_temperature: N::ZERO,

@@ -134,6 +134,20 @@ macro_rules! effects {
                 ", rounded edges": EdgeRounding = 0.04;
             }
 
+            Counterbalance "counterbalance" in Flow {
+                HoldingSetA: "set_a_pa", "Pa", -1e9, 1e9, -1e9, "Pressure of chamber A that opens its load-holding valve without a pilot; A has none where the file does not give it.";
+                HoldingSetB: "set_b_pa", "Pa", -1e9, 1e9, -1e9, "The same for chamber B.";
+                PilotRatio: "pilot_ratio", "1", 0.0, 15.0, 3.0, "How many times as much as the chamber's own pressure the other side's opens its load-holding valve.";
+                HoldingSpan: "span_pa", "Pa", 1e4, 1e9, 2e6, "Pressure beyond its setting at which a load-holding valve is as wide as a metering edge at full travel.";
+                HoldingSize: "size", "1", 0.01, 2.0, 2.0, "Opening at its stop, as a share of a metering edge's at full travel.";
+                HoldingTime: "time_constant_s", "s", 2e-3, 1.0, 0.02, "Time constant of its poppet.";
+            } trial {
+                "": HoldingSetA = 6e6, HoldingSetB = 6e6, PilotRatio = 2.0, HoldingSpan = 3e6, HoldingSize = 1.5, HoldingTime = 0.03;
+                ", of chamber A": HoldingSetA = 6e6, PilotRatio = 2.0, HoldingSpan = 3e6;
+            } strong {
+                "": HoldingSetA = 9e6, HoldingSetB = 7e6, PilotRatio = 1.0, HoldingSpan = 4e6;
+            }
+
             LaminarTransition "laminar-transition" in Flow {
                 LaminarPressure: "pressure_pa", "Pa", 0.0, 1e7, 0.0, "What the pressure difference of transition is more than the valve's own.";
             } trial {

@@ -4,6 +4,8 @@
 //! and the supply does not droop, the flow link does not use this module at all.
 
 use crate::effects::LinkEffects;
+use crate::flow::load_holding::{LoadHolding, Poppets};
+use crate::flow::opened::Four;
 use crate::flow::supply::Droop;
 use crate::number::Number;
 
@@ -18,6 +20,7 @@ pub struct EdgeEffects<N: Number> {
     pub(crate) leakage: Option<ValveLeakage<N>>,
     pub(crate) rounding: Option<RoundedEdge<N>>,
     pub(crate) droop: Option<Droop<N>>,
+    pub(crate) holding: Option<LoadHolding<N>>,
     /// 1/`SLOPE_SCALE`: steepnesses are stored smaller by this factor, so that they fit a signal.
     pub(crate) slope_fraction: N,
     /// `SLOPE_SCALE`
@@ -44,6 +47,12 @@ impl<N: Number> EdgeEffects<N> {
     #[inline]
     pub(crate) fn leaking(&self, spool: N) -> N {
         self.leakage.as_ref().map_or(N::ZERO, |leakage| leakage.opening(spool))
+    }
+
+    /// Openings with the load-holding valves behind them.
+    #[inline]
+    pub(super) fn behind_holding(&self, openings: &Four<N>, poppets: Poppets<N>, across: &Four<N>) -> Four<N> {
+        self.holding.as_ref().map_or(*openings, |holding| holding.held(openings, poppets, across))
     }
 
     /// Opening of a tank edge with the return line behind it; `unity` is 1, as a slope.

@@ -12,7 +12,7 @@ use crate::effects::{Keeps, Vocabulary};
 use crate::flow::effects::{EdgeEffects, EdgeSizes, behind_laminar_line};
 use crate::flow::opened::{Four, Opened};
 use crate::flow::supply::{Draw, SupplyState};
-use crate::flow::{Edges, Lines};
+use crate::flow::{Edges, Poppets};
 use crate::number::{Mask, Number};
 use crate::ports::{ChamberState, Filling, Flows, Linearised, Spool};
 
@@ -52,11 +52,13 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     pub(crate) fn flow_of_four(
         &self,
         effects: &EdgeEffects<N>,
-        openings: &Four<N>,
+        (openings, poppets): (&Four<N>, Poppets<N>),
         pressures: ChamberState<N>,
         supply: N,
     ) -> Flows<N> {
-        self.passing(effects, openings, &openings.each(N::is_nothing), pressures, supply).ports()
+        let across = self.across_each(pressures, supply);
+        let openings = &effects.behind_holding(openings, poppets, &across);
+        self.passing(effects, openings, &openings.each(N::is_nothing), &across).ports()
     }
 
     /// Flows at the start of a tick that ends with the openings `to`, with their slopes, and what is drawn from the supply.
@@ -65,18 +67,20 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         &self,
         effects: &EdgeEffects<N>,
         spool: Spool<N>,
-        to: &Four<N>,
+        (to, poppets): (&Four<N>, Poppets<N>),
         pressures: ChamberState<N>,
         supply: N,
         filling: Flows<Filling<N>>,
     ) -> (Flows<Linearised<N>>, N) {
-        let from = self.openings(effects, spool.from);
+        let across = self.across_each(pressures, supply);
+        let held = |openings: &Four<N>| effects.behind_holding(openings, poppets, &across);
+        let (from, to) = (held(&self.openings(effects, spool.from)), held(to));
         let started = self.way(effects, spool.from);
         let way = N::choose(started.equals(N::ZERO), || self.way(effects, spool.to), || started);
-        let (across, larger) = (self.across_each(pressures, supply), larger(way, &from, to));
-        let ends = from.with(to, |from, to| from.is_nothing() & to.is_nothing());
+        let larger = larger(way, &from, &to);
+        let ends = from.with(&to, |from, to| from.is_nothing() & to.is_nothing());
         let closed = ends.with(&larger, |ends, larger| ends & larger.is_nothing());
-        let passing = self.passing(effects, &from, &closed, pressures, supply);
+        let passing = self.passing(effects, &from, &closed, &across);
         // An edge fills the chamber with what the other edge of its port does not take away.
         let steep = |passing: Passing<N>, opening: N, across: N, filling: Filling<N>| {
             let opening = self.sloping(opening, [passing.flow, passing.free], across, filling);
@@ -123,20 +127,23 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     ) -> SupplyState<N> {
         let Some(effects) = V::on(self.effects.kept()) else { return supply };
         let Some(droop) = &effects.droop else { return supply };
-        let Some(Four { supply_a: into_a, supply_b: into_b, .. }) = opened.four else { return supply };
+        let Some(openings) = &opened.four else { return supply };
         droop.after::<ROUNDS>(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {
-            let Lines { supply, .. } = self.lines_at(supply);
-            let edge = |opening: N, pressure: N| {
+            // What the tank edges pass does not come from the supply.
+            let across = Four { tank_a: N::ZERO, tank_b: N::ZERO, ..self.across_each(pressures, supply) };
+            let openings = effects.behind_holding(openings, opened.poppets, &across);
+            let edge = |opening: N, across: N| {
                 let closed = opening.is_nothing();
                 let passing = || {
-                    let passing = self.through(opening, (supply - pressure).orifice_root(self.transition));
+                    let passing = self.through(opening, across.orifice_root(self.transition));
                     let opening = self.within_limit(opening, passing.flow, passing.free);
                     (passing.flow, Self::steepness(effects, passing.slope, opening))
                 };
                 let each = |_, (flow, steep)| (N::pick(closed, N::ZERO, flow), N::pick(closed, N::ZERO, steep));
                 closed.branch(|| (N::ZERO, N::ZERO), passing, each)
             };
-            let ((flow_a, steep_a), (flow_b, steep_b)) = (edge(into_a, pressures.a), edge(into_b, pressures.b));
+            let (flow_a, steep_a) = edge(openings.supply_a, across.supply_a);
+            let (flow_b, steep_b) = edge(openings.supply_b, across.supply_b);
             Draw { flow: flow_a + flow_b, steepness: steep_a + steep_b }
         })
     }
@@ -206,10 +213,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         effects: &EdgeEffects<N>,
         openings: &Four<N>,
         closed: &Four<N::Mask>,
-        pressures: ChamberState<N>,
-        supply: N,
+        across: &Four<N>,
     ) -> Four<Passing<N>> {
-        let across = self.across_each(pressures, supply);
         let unless = |closed: N::Mask, passing: &dyn Fn() -> Passing<N>| {
             let nothing = || Passing { flow: N::ZERO, free: N::ZERO, slope: self.unity };
             closed.branch(nothing, passing, |_, passing: Passing<N>| Passing {

@@ -23,16 +23,19 @@
 
 pub(crate) mod effects;
 mod four_edges;
+pub(crate) mod load_holding;
 mod opened;
 mod pump;
 pub(crate) mod supply;
 
 use effects::EdgeEffects;
+use load_holding::LoadHolding;
 
 use crate::effects::{AnyEffect, Keeps, Vocabulary};
 use crate::number::{Mask, Number};
 use crate::ports::{AcrossEdges, ChamberState, Filling, Flows, Linearised, Overlap, Spool};
 
+pub use load_holding::Poppets;
 pub(crate) use opened::Opened;
 pub use pump::{Pump, PumpDrive};
 pub use supply::SupplyState;
@@ -130,18 +133,36 @@ impl<N: Number> Edges<N> {
     /// Flows at a spool position, two chamber pressures, and that of a supply that droops.
     #[inline]
     pub fn flow(&self, spool: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        self.flow_with::<AnyEffect>(&self.opened::<AnyEffect>(spool), pressures, supply, None)
+        self.flow_behind(spool, pressures, supply, self.poppets(pressures))
+    }
+
+    /// The same with load-holding valves that are open this far.
+    #[inline]
+    pub(crate) fn flow_behind(&self, spool: N, pressures: ChamberState<N>, supply: N, poppets: Poppets<N>) -> Flows<N> {
+        self.flow_with::<AnyEffect>(&self.opened::<AnyEffect>(spool, poppets), pressures, supply, None)
+    }
+
+    /// Load-holding valves that rest at these pressures.
+    #[inline]
+    pub(crate) fn poppets(&self, pressures: ChamberState<N>) -> Poppets<N> {
+        self.holding().map_or(Poppets { a: N::ZERO, b: N::ZERO }, |holding| holding.at_rest(pressures))
+    }
+
+    /// Load-holding valves, where there are any.
+    #[inline]
+    pub(crate) fn holding(&self) -> Option<&LoadHolding<N>> {
+        self.effects.as_ref().and_then(|effects| effects.holding.as_ref())
     }
 }
 
 impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
-    /// The openings at a spool position.
+    /// The openings at a spool position, with load-holding valves that are open this far.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn opened<V: Vocabulary>(&self, spool: N) -> Opened<N> {
+    pub(crate) fn opened<V: Vocabulary>(&self, spool: N, poppets: Poppets<N>) -> Opened<N> {
         match V::on(self.effects.kept()) {
-            Some(effects) => Opened { way: N::ZERO, four: Some(self.openings(effects, spool)) },
-            None => Opened { way: self.opening(spool), four: None },
+            Some(effects) => Opened { way: N::ZERO, four: Some(self.openings(effects, spool)), poppets },
+            None => Opened { way: self.opening(spool), four: None, poppets },
         }
     }
 
@@ -156,7 +177,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         started: Option<Flows<Root<N>>>,
     ) -> Flows<N> {
         if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &opened.four) {
-            return self.flow_of_four(effects, four, pressures, supply);
+            return self.flow_of_four(effects, (four, opened.poppets), pressures, supply);
         }
         let opening = opened.way;
         let across = self.across(opening, pressures);
@@ -177,7 +198,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         filling: Flows<Filling<N>>,
     ) -> Started<N> {
         if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &end.four) {
-            let (flows, drawn) = self.linearised_of_four(effects, spool, four, pressures, supply, filling);
+            let end = (four, end.poppets);
+            let (flows, drawn) = self.linearised_of_four(effects, spool, end, pressures, supply, filling);
             return Started { flows, drawn, roots: None };
         }
         let (from, to) = (self.opening(spool.from), end.way);

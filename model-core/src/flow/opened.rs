@@ -1,5 +1,7 @@
 //! How far the metering edges are open: two equal ones at a time, or each of the four by itself.
 
+use crate::flow::Poppets;
+
 /// How far the edges are open at a spool position, flow gain included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Opened<N> {
@@ -7,6 +9,8 @@ pub(crate) struct Opened<N> {
     pub(super) way: N,
     /// Opening of each edge, where an effect makes them differ.
     pub(super) four: Option<Four<N>>,
+    /// Load-holding valves behind the four.
+    pub(super) poppets: Poppets<N>,
 }
 
 /// One of something for each metering edge.

@@ -6,6 +6,7 @@ mod bristles;
 mod cavitation;
 mod chambers;
 mod friction;
+mod load_holding;
 mod neutral;
 mod rod;
 mod sensors;

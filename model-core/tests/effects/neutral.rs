@@ -29,7 +29,7 @@ fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Vec<State<N>> {
 }
 
 /// Parameters without any influence while the amount of their effect is 0.
-const SECONDARY: [(P, f64, f64); 7] = [
+const SECONDARY: [(P, f64, f64); 11] = [
     (P::StribeckVelocity, 1e-5, 10.0),
     (P::StopRetracted, -1.0, 1.0),
     (P::StopExtended, -1.0, 1.0),
@@ -37,6 +37,10 @@ const SECONDARY: [(P, f64, f64); 7] = [
     (P::ReferenceTemperature, -20.0, 120.0),
     (P::ValveLeakageReach, 4e-3, 1.0),
     (P::NullDriftTime, 1e-2, 1e5),
+    (P::PilotRatio, 0.0, 15.0),
+    (P::HoldingSpan, 1e4, 1e9),
+    (P::HoldingSize, 0.01, 2.0),
+    (P::HoldingTime, 2e-3, 1.0),
 ];
 
 proptest! {
@@ -44,7 +48,7 @@ proptest! {
 
     #[test]
     fn nothing_of_an_effect_is_the_model_without_it(
-        shares in prop::array::uniform7(0.0..1.0_f64),
+        shares in prop::array::uniform11(0.0..1.0_f64),
         friction_n in prop::sample::select(vec![0.0, 700.0]),
         leakage in prop::sample::select(vec![0.0, 3e-12]),
     ) {

@@ -174,7 +174,7 @@ impl<'a> InLanes<'a> {
             let own = drive.spool(state).values();
             let spool = |lane: usize| metering(lane).map_or(own[lane], |reading| true_spool(machine, reading));
             let none = PumpDrive { speed: Lanes::constant(0.0), direction: 0 };
-            drive.flows_from(state.supply.pressure, Lanes::new(from_fn(spool)), none, state.chambers).a
+            drive.flows_of(state, Lanes::new(from_fn(spool)), none).a
         };
         reading(drive, machine, state, signal, spool, flow_a).map_or([0.0; LANES], Lanes::values)
     }

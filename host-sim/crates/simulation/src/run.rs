@@ -63,7 +63,7 @@ impl<N: Scalar> Sample<'_, N> {
         let recorded = self.stimulus.metering_at::<N>(self.point);
         let spool = recorded.map_or_else(|| self.drive.spool(self.state), |reading| true_spool(self.machine, reading));
         let pump = self.stimulus.pump_at(self.point, self.drive.bases());
-        self.drive.flows_from(self.state.supply.pressure, spool, pump, self.state.chambers).a
+        self.drive.flows_of(self.state, spool, pump).a
     }
 }
 

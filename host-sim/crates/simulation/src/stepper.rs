@@ -139,10 +139,7 @@ impl<N: Scalar<Real = f64>> Stepped<N> {
     fn signal(&self, signal: Signal, inputs: &Inputs) -> Option<f64> {
         let spool = || self.drive.spool(&self.state);
         let sensed = || self.drive.sensed(&self.state).spool;
-        let flow_a = || {
-            let supply = self.state.supply.pressure;
-            self.drive.flows_from(supply, spool(), self.pump(inputs), self.state.chambers).a
-        };
+        let flow_a = || self.drive.flows_of(&self.state, spool(), self.pump(inputs)).a;
         let is_there = match self.machine.source {
             Source::Valve => true,
             Source::Pump => signal != Signal::Spool,

@@ -31,7 +31,7 @@ pub use effect::load::LoadEffect;
 pub use effect::oil::{OilGrade, OilTemperature};
 pub use effect::sensing::{MeasuredSignal, SensingEffect};
 pub use effect::valve::ValveEffect;
-pub use effect::{Cavitation, PlantEffect};
+pub use effect::{Cavitation, LoadHolding, PlantEffect};
 pub use excitation::input::{Command, Commands, LoadError, LoadProfile, PumpCommand};
 pub use flow::edges::GainCurve;
 pub use plant::{InitialState, Plant, PlantError, PlantState};

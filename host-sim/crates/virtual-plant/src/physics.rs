@@ -123,16 +123,20 @@ impl Physics {
 
     /// The state in SI units, with the supply pressure and viscosity as the effects have changed them.
     pub(crate) fn state<R: Real>(&self, inputs: &Inputs, scaled: &[R]) -> State<R> {
-        let mut conditions = Conditions { supply: self.supply_pa.into(), viscosity: 1.0.into() };
+        let mut conditions = Conditions { supply: self.supply_pa.into(), ports: [None; 2], viscosity: 1.0.into() };
         let mut from = BASE_STATES;
         for effect in &self.effects {
             let to = from + effect.states();
             effect.condition(inputs, &scaled[from..to], &mut conditions);
             from = to;
         }
+        let (pressure_a, pressure_b) = (scaled[0] * self.supply_pa, scaled[1] * self.supply_pa);
+        let [port_a, port_b] = conditions.ports;
         State {
-            pressure_a: scaled[0] * self.supply_pa,
-            pressure_b: scaled[1] * self.supply_pa,
+            pressure_a,
+            pressure_b,
+            port_a: port_a.unwrap_or(pressure_a),
+            port_b: port_b.unwrap_or(pressure_b),
             velocity: scaled[2],
             position: scaled[3] * self.stroke_m,
             supply: conditions.supply,
@@ -144,7 +148,7 @@ impl Physics {
     pub(crate) fn flows<R: Real>(&self, inputs: &Inputs, state: &State<R>) -> (R, R) {
         match self.source {
             Source::Valve => {
-                let (a, b, supply) = (state.pressure_a, state.pressure_b, state.supply);
+                let (a, b, supply) = (state.port_a, state.port_b, state.supply);
                 self.edges.flows(inputs.spool, &Ports { supply, tank_pa: self.tank_pa, a, b })
             }
             Source::Pump => {

@@ -27,6 +27,10 @@ pub(crate) struct State<R> {
     pub(crate) position: R,
     /// Pressure at the valve's port P.
     pub(crate) supply: R,
+    /// Pressure at its port A: that of the chamber, unless something is between them.
+    pub(crate) port_a: R,
+    /// The same at port B.
+    pub(crate) port_b: R,
     /// Relative to the viscosity that the machine's parameters are for.
     pub(crate) viscosity: R,
 }
@@ -36,6 +40,8 @@ pub(crate) struct State<R> {
 pub(crate) struct Conditions<R> {
     /// Pressure at the valve's port P, Pa.
     pub(crate) supply: R,
+    /// Pressures at its ports A and B where they are not the chambers', Pa.
+    pub(crate) ports: [Option<R>; 2],
     /// Viscosity relative to the one that the machine's parameters are for.
     pub(crate) viscosity: R,
 }

@@ -69,7 +69,7 @@ pub struct Scene<'a> {
     pub travel_m: (f64, f64),
     /// Longest recording, s.
     pub duration_s: f64,
-    /// Whether so few rows were recorded that nothing faster than 25 Hz shows.
+    /// Whether so few rows were recorded, in every recording, that nothing faster than 25 Hz shows.
     pub is_sparse: bool,
     /// Lowest pressure of a chamber in the recordings, by the sensors and by the model without effects, Pa; infinite where neither gives one.
     pub lowest_pa: f64,
@@ -183,6 +183,8 @@ pub enum Kind {
     /// A limit that a pressure does not fall below; the parameter's default is neutral, and every other value acts. Values at these shares of
     /// the usual range are tried, and the best is refined without derivatives. The value says nothing for or against the effect.
     Floor(fn(&Scene<'_>) -> (f64, f64), &'static [f64]),
+    /// The same for a pressure that opens a valve.
+    Setting(fn(&Scene<'_>) -> (f64, f64), &'static [f64]),
 }
 
 /// One parameter of an effect.

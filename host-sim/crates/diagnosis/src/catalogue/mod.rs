@@ -5,6 +5,7 @@
 
 mod cavitation;
 mod coulomb_friction;
+mod counterbalance;
 mod dead_zone_asymmetry;
 mod end_stop;
 mod entrained_air;
@@ -59,6 +60,7 @@ pub const CATALOGUE: &[&Hypothesis] = &[
     &supply_droop::HYPOTHESIS,
     &tank_back_pressure::HYPOTHESIS,
     &valve_leakage::HYPOTHESIS,
+    &counterbalance::HYPOTHESIS,
     &laminar_transition::HYPOTHESIS,
     &pump_slip::HYPOTHESIS,
     &internal_leakage::HYPOTHESIS,
@@ -112,8 +114,10 @@ mod tests {
                     "{}: {low}..{high}",
                     description.key
                 );
-                let may_be_negative =
-                    matches!(effect_parameter.kind, Kind::Signed(_) | Kind::Place(..) | Kind::Floor(..));
+                let may_be_negative = matches!(
+                    effect_parameter.kind,
+                    Kind::Signed(_) | Kind::Place(..) | Kind::Floor(..) | Kind::Setting(..)
+                );
                 assert!(may_be_negative || low > 0.0, "{}: {low}", description.key);
             }
             if let Some(extension) = hypothesis.extends {

@@ -25,7 +25,7 @@ impl EffectParameter {
                 (_, broad) => broad,
             },
             Kind::Signed(size) => Freedom::Signed { sigma: size(scene) },
-            Kind::Place(range, _) | Kind::Floor(range, _) => {
+            Kind::Place(range, _) | Kind::Floor(range, _) | Kind::Setting(range, _) => {
                 let (low, high) = range(scene);
                 Freedom::Around { nominal: f64::midpoint(low, high), sigma: 0.5 * (high - low) }
             }
@@ -43,7 +43,7 @@ impl EffectParameter {
     pub fn neutral(&self) -> Option<f64> {
         match self.kind {
             Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_) => Some(0.0),
-            Kind::Floor(..) => Some(self.parameter.description().min),
+            Kind::Floor(..) | Kind::Setting(..) => Some(self.parameter.description().min),
             Kind::Shape(..) | Kind::Place(..) => None,
         }
     }
@@ -63,7 +63,7 @@ impl EffectParameter {
             }
             Kind::Signed(size) => 0.3 * size(scene),
             Kind::Place(range, _) => range(scene).1,
-            Kind::Floor(range, _) => range(scene).0.abs(),
+            Kind::Floor(range, _) | Kind::Setting(range, _) => range(scene).0.abs(),
         }
     }
 
@@ -76,7 +76,8 @@ impl EffectParameter {
             | Kind::Jump(range)
             | Kind::Shape(range, _)
             | Kind::Place(range, _)
-            | Kind::Floor(range, _) => range(scene),
+            | Kind::Floor(range, _)
+            | Kind::Setting(range, _) => range(scene),
             Kind::Signed(size) => (-size(scene), size(scene)),
         }
     }
@@ -88,7 +89,7 @@ impl EffectParameter {
                 let (low, high) = range(scene);
                 (0..count).map(|index| low * (high / low).powf((index as f64 + 0.5) / count as f64)).collect()
             }
-            Kind::Place(range, shares) | Kind::Floor(range, shares) => {
+            Kind::Place(range, shares) | Kind::Floor(range, shares) | Kind::Setting(range, shares) => {
                 let (low, high) = range(scene);
                 shares.iter().map(|share| low + (high - low) * share).collect()
             }

@@ -38,7 +38,9 @@ pub fn extended(
                 _ if known && (low..=high).contains(&fitted) => vec![fitted],
                 Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => vec![0.1 * given, 0.5 * given, given],
                 Kind::Signed(_) => vec![-0.5 * given, 0.05 * given, 0.5 * given],
-                Kind::Shape(..) | Kind::Place(..) | Kind::Floor(..) => effect_parameter.tries(scene),
+                Kind::Shape(..) | Kind::Place(..) | Kind::Floor(..) | Kind::Setting(..) => {
+                    effect_parameter.tries(scene)
+                }
             };
             (effect_parameter.parameter, values)
         });

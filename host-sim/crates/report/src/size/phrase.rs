@@ -89,8 +89,15 @@ fn orifices(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<(Stri
         P::ValveLeakageReach => said(percent(value), "of full spool travel, where half of it is left"),
         P::EdgeRounding => said(percent(value), "of full spool travel, over which an edge opens gradually"),
         P::LaminarPressure => said(bar(drive.get(P::LaminarTransition) + value), "below which the flow is laminar"),
+        P::HoldingSetA => said(bar(value), "in A open its load-holding valve without a pilot"),
+        P::HoldingSetB => said(bar(value), "in B open its load-holding valve without a pilot"),
+        P::PilotRatio => {
+            said(format!("{} times", significant(value, 2)), "as much as its own the other side's pressure opens it")
+        }
+        P::HoldingSpan => said(bar(value), "beyond that it is as wide as a metering edge at full travel"),
+        P::HoldingSize => said(percent(value), "of a metering edge at full travel, its opening at the stop"),
         P::PumpSlip => flow(drive, value * supply_pa, &at_supply),
-        P::DroopTime => (time(value), String::new()),
+        P::DroopTime | P::HoldingTime => (time(value), String::new()),
         _ => return None,
     })
 }

@@ -73,6 +73,8 @@ fn lines_and_oil_are_told_in_bar_cubic_centimetres_and_per_cent() {
     assert_eq!(said(Parameter::ReturnResistance, 3e12), "12 bar at a full flow of 38 l/min");
     assert_eq!(said(Parameter::HoseCompliance, 1e-13), "1.0 cm³ per 100 bar in each chamber");
     assert_eq!(said(Parameter::AirShare, 0.005), "0.50 % of the oil by volume, at atmospheric pressure");
+    assert_eq!(said(Parameter::HoldingSetB, 1.6e7), "160 bar in B open its load-holding valve without a pilot");
+    assert_eq!(said(Parameter::PilotRatio, 2.7), "2.7 times as much as its own the other side's pressure opens it");
     assert_eq!(said(Parameter::CavitationFloor, -3e4), "0.71 bar absolute, below which no pressure falls");
 }
 

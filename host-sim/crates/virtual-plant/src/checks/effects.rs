@@ -322,3 +322,18 @@ fn a_hung_mass_shakes_the_rod_at_its_frequency_until_it_moves_along() {
     assert!((7..=8).contains(&crossings), "{crossings}");
     assert!(off[100..200].iter().any(|off| off.abs() > 1e-3) && off[999].abs() < 1e-4, "{}", off[999]);
 }
+
+#[test]
+fn a_load_holding_valve_lets_oil_in_and_holds_it_until_the_other_side_is_pressed() {
+    let machine = press();
+    let effect = named("counterbalance", 2.2e7);
+    let last = |volts: f64| [&[effect][..], &[]].map(|effects| run(&machine, effects, 0.0, volts, 600)[599]);
+    // Extending fills A: nothing is in the way.
+    let [with, without] = last(6.0);
+    assert!((with.velocity_m_per_s / without.velocity_m_per_s - 1.0).abs() < 0.02, "{with:?} {without:?}");
+    // Retracting empties it: both pressures rise until their weighted sum is beyond the setting.
+    let [with, without] = last(-6.0);
+    assert!(with.pressure_a_pa + 3.0 * with.pressure_b_pa > 2.2e7, "{with:?}");
+    assert!(with.pressure_b_pa > without.pressure_b_pa + 3e5, "{with:?} {without:?}");
+    assert!(with.velocity_m_per_s.abs() < without.velocity_m_per_s.abs());
+}

@@ -84,7 +84,7 @@ pub const VOCABULARY: [&str; 27] = [
 ];
 
 /// Effects that can be requested in addition to [`VOCABULARY`].
-pub const ON_REQUEST: [&str; 4] = ["hose-compliance", "laminar-transition", PUMP_SLIP, CAVITATION];
+pub const ON_REQUEST: [&str; 5] = ["hose-compliance", "laminar-transition", PUMP_SLIP, CAVITATION, "counterbalance"];
 
 /// The effect that makes the case a pump-controlled drive.
 const PUMP_SLIP: &str = "pump-slip";

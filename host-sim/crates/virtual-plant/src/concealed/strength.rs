@@ -10,7 +10,7 @@ use crate::effect::load::LoadEffect;
 use crate::effect::oil::{OilGrade, OilTemperature};
 use crate::effect::sensing::{MeasuredSignal, SensingEffect};
 use crate::effect::valve::ValveEffect;
-use crate::effect::{Cavitation, PlantEffect};
+use crate::effect::{Cavitation, LoadHolding, PlantEffect};
 use crate::flow::edges::GainCurve;
 
 /// What the size of an effect is scaled by.
@@ -133,6 +133,17 @@ fn flow(name: &str, about: &About<'_>, dice: &mut Noise) -> Option<FlowEffect> {
             reach: about.get(P::DeadZone) * dice.uniform(0.5, 1.3),
             laminar_pa: dice.decades(5e4, 1e6),
         },
+        "counterbalance" => {
+            let supply_pa = about.get(P::SupplyPressure);
+            let setting_pa = supply_pa * dice.uniform(1.5, 2.5);
+            let settings_pa = if dice.happens(0.5) { [setting_pa, f64::INFINITY] } else { [f64::INFINITY, setting_pa] };
+            FlowEffect::Counterbalance(LoadHolding {
+                settings_pa,
+                pilot_ratio: dice.uniform(2.0, 4.0),
+                span_pa: supply_pa * dice.decades(0.3, 1.5),
+                time_constant_s: dice.decades(0.01, 0.03),
+            })
+        }
         "laminar-transition" => FlowEffect::LaminarTransition { pressure_pa: dice.decades(3e4, 5e5) },
         "~pump-ripple" => {
             FlowEffect::PumpRipple { share: dice.decades(0.01, 0.06), frequency_hz: dice.decades(12.0, 60.0) }

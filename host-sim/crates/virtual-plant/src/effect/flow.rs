@@ -1,5 +1,6 @@
 //! What the edges, the supply and the return line do beyond the paper's model.
 
+use super::load_holding::{self, LoadHolding};
 use crate::flow::edges::{Edges, GainCurve, SeriesLine};
 use crate::flow::orifice::signed_root;
 use crate::tangent::Real;
@@ -60,6 +61,8 @@ pub enum FlowEffect {
         /// Pressure difference at which both take the same share, Pa.
         pressure_pa: f64,
     },
+    /// Load-holding valves between valve and chambers.
+    Counterbalance(LoadHolding),
     /// The pump's pressure pulsates (not in the vocabulary).
     PumpRipple {
         /// Amplitude relative to the supply pressure.
@@ -89,15 +92,17 @@ impl FlowEffect {
             Self::BackPressure { .. } => "tank-back-pressure",
             Self::Leakage { .. } | Self::RoundedEdges { .. } => "valve-leakage",
             Self::LaminarTransition { .. } => "laminar-transition",
+            Self::Counterbalance(_) => "counterbalance",
             Self::PumpRipple { .. } => "~pump-ripple",
             Self::OtherConsumer { .. } => "~other-consumer",
         }
     }
 
-    /// Number of its own states: the accumulator's deviation from the nominal pressure, relative to the nominal pressure.
+    /// Number of its own states: the accumulator's deviation from the nominal pressure, relative to the nominal pressure; what load-holding valves have.
     pub(crate) const fn states(&self) -> usize {
         match self {
             Self::SupplyDroop { .. } => 1,
+            Self::Counterbalance(_) => load_holding::STATES,
             _ => 0,
         }
     }
@@ -116,8 +121,11 @@ impl FlowEffect {
                 edges.return_line = SeriesLine { linear: linear_pa_s_per_m3, quadratic: quadratic_pa_s2_per_m6 };
             }
             Self::LaminarTransition { pressure_pa } => edges.laminar_pa = pressure_pa,
-            Self::Leakage { .. } | Self::RoundedEdges { .. } | Self::PumpRipple { .. } | Self::OtherConsumer { .. } => {
-            }
+            Self::Leakage { .. }
+            | Self::RoundedEdges { .. }
+            | Self::Counterbalance(_)
+            | Self::PumpRipple { .. }
+            | Self::OtherConsumer { .. } => {}
         }
     }
 
@@ -139,6 +147,7 @@ impl FlowEffect {
                     conditions.supply = conditions.supply * (*fall + 1.0);
                 }
             }
+            Self::Counterbalance(holding) => holding.condition(inputs, own, conditions),
             Self::PumpRipple { share, frequency_hz } => {
                 let phase = std::f64::consts::TAU * frequency_hz * inputs.time_s;
                 let ripple = share * (libm::sin(phase) + 0.3 * libm::sin(2.0 * phase + 1.0));
@@ -168,14 +177,15 @@ impl FlowEffect {
                     *rate = relative.powf(1.0 + 1.0 / POLYTROPIC) * net * (POLYTROPIC / gas_volume_m3);
                 }
             }
+            Self::Counterbalance(holding) => holding.apply(edges, inputs, state, (own, rates), terms),
             Self::OtherConsumer { .. } => terms.delivered = terms.delivered + self.taken_m3_per_s(inputs.time_s),
             Self::Leakage { opening, reach, laminar_pa } => {
                 let gap = edges.coefficient * opening * libm::exp(-(inputs.spool / reach).powi(2));
                 let flow = |across: R| signed_root(across, laminar_pa) * gap;
                 let tank = inputs.tank_pressure_pa;
                 let through = |port: R| flow(state.supply - port) - flow(port - tank);
-                terms.into_a = terms.into_a + through(state.pressure_a);
-                terms.into_b = terms.into_b + through(state.pressure_b);
+                terms.into_a = terms.into_a + through(state.port_a);
+                terms.into_b = terms.into_b + through(state.port_b);
             }
             Self::RoundedEdges { play, laminar_pa } => {
                 let [extending, retracting] = edges.dead_zone;

@@ -3,6 +3,7 @@
 use super::flow::FlowEffect;
 use super::friction::{DryFriction, FrictionLevel};
 use super::load::LoadEffect;
+use super::load_holding::LoadHolding;
 use super::oil::OilTemperature;
 use super::sensing::{MeasuredSignal, SensingEffect};
 use super::valve::ValveEffect;
@@ -13,7 +14,7 @@ type Make = fn(f64) -> PlantEffect;
 
 /// Name, unit of the number, and the effect, with usual values of its other parameters.
 #[rustfmt::skip]
-const EFFECTS: [(&str, &str, Make); 34] = [
+const EFFECTS: [(&str, &str, Make); 35] = [
     ("hose-compliance", "m3/Pa", PlantEffect::hose_compliance),
     ("pump-slip", "m3/s/Pa", PlantEffect::pump_slip),
     ("internal-leakage", "m3/s/Pa", PlantEffect::internal_leakage),
@@ -39,6 +40,7 @@ const EFFECTS: [(&str, &str, Make); 34] = [
     ("metering-asymmetry", "1", |size| PlantEffect::Flow(FlowEffect::Metering { sizes: [1.0, size, 1.0, 0.9 * size] })),
     ("supply-droop", "Pa s/m3", |resistance| PlantEffect::Flow(FlowEffect::SupplyDroop { resistance_pa_s_per_m3: resistance, gas_volume_m3: 5e-5, line_pa_s2_per_m6: 0.2 * resistance / 3e-4 })),
     ("tank-back-pressure", "Pa s2/m6", |quadratic| PlantEffect::Flow(FlowEffect::BackPressure { linear_pa_s_per_m3: 5e-5 * quadratic, quadratic_pa_s2_per_m6: quadratic })),
+    ("counterbalance", "Pa", |setting_pa| PlantEffect::Flow(FlowEffect::Counterbalance(LoadHolding { settings_pa: [setting_pa, f64::INFINITY], pilot_ratio: 3.0, span_pa: 3e6, time_constant_s: 0.015 }))),
     ("valve-leakage", "1", |opening| PlantEffect::Flow(FlowEffect::Leakage { opening, reach: 0.06, laminar_pa: 3e5 })),
     ("laminar-transition", "Pa", |pressure_pa| PlantEffect::Flow(FlowEffect::LaminarTransition { pressure_pa })),
     ("linkage-backlash", "m", |play_m| PlantEffect::Sensing(SensingEffect::Backlash { play_m })),

@@ -20,7 +20,7 @@ pub fn truth_near(nominal: &Machine<f64>, sigma: &BTreeMap<Parameter, f64>, spre
 }
 
 /// Parameters that were added to the table later, between others.
-const LATER: [Parameter; 15] = [
+const LATER: [Parameter; 21] = [
     Parameter::LevelAtRest,
     Parameter::ViscosityLossPerKelvin,
     Parameter::ReferenceTemperature,
@@ -36,6 +36,12 @@ const LATER: [Parameter; 15] = [
     Parameter::VolumeFollows,
     Parameter::SpeedOverdrive,
     Parameter::EdgeRounding,
+    Parameter::HoldingSetA,
+    Parameter::HoldingSetB,
+    Parameter::PilotRatio,
+    Parameter::HoldingSpan,
+    Parameter::HoldingSize,
+    Parameter::HoldingTime,
 ];
 
 /// A random stream for each parameter; the first streams belong to the sensors. Parameters that were added later do not shift the streams of

@@ -67,7 +67,7 @@ impl Candidate {
                 let possible = chosen.form.iter().map(at).all(|(kind, coordinate)| match kind {
                     Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate < PRESSED,
                     // Any value of a shape is possible; where it ends at a bound, the recordings do not determine it.
-                    Kind::Shape(..) | Kind::Floor(..) => true,
+                    Kind::Shape(..) | Kind::Floor(..) | Kind::Setting(..) => true,
                     Kind::Signed(_) => coordinate.abs() < PRESSED_SIGNED,
                     Kind::Place(..) => coordinate.abs() < PLACE_WITHIN,
                 });
@@ -86,7 +86,7 @@ impl Candidate {
                     Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) => coordinate > AMOUNT_NEGLIGIBLE,
                     Kind::Signed(_) => coordinate.abs() > SIGNED_NEGLIGIBLE,
                     // A floor acts wherever it lies.
-                    Kind::Floor(..) => true,
+                    Kind::Floor(..) | Kind::Setting(..) => true,
                     Kind::Shape(..) | Kind::Place(..) => false,
                 });
                 possible && notable

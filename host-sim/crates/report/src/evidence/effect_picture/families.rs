@@ -127,6 +127,19 @@ pub(crate) fn of(effect: &Hypothesis, after: &Machine<f64>) -> Family {
                 Some((L_PER_MIN * flow, BAR * lost, 0))
             },
         },
+        "counterbalance" => Family {
+            title: "Pressure lost on the way out of a chamber, over the other chamber's pressure",
+            caption: "Pressure in the chamber that empties, less the edge's own drop, above the tank's. A load-holding valve opens the wider the higher the other side's pressure.",
+            x: ("pressure in the other chamber", "bar"),
+            y: ("pressure lost", "bar"),
+            needs: PRESSURES,
+            point: |law, m| {
+                let (flow, chamber, other) =
+                    if m.spool > 0.0 { (out_of_b(law, m), m.b_pa, m.a_pa) } else { (-into_a(law, m), m.a_pa, m.b_pa) };
+                let lost = chamber - law.tank_pa - drop(law, m, flow)?;
+                Some((BAR * other, BAR * lost, 0))
+            },
+        },
         "laminar-transition" => Family {
             title: "Flow of the edge at A against the root law, over its pressure difference",
             caption: "1 is the turbulent law; at small pressure differences a laminar edge passes less.",

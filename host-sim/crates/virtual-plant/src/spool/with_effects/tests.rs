@@ -46,6 +46,8 @@ fn run_of(
         velocity: 0.0,
         position: 0.1,
         supply: pressure_pa,
+        port_a: 0.4 * pressure_pa,
+        port_b: 0.4 * pressure_pa,
         viscosity: 1.0,
     };
     let mut spool = ShapedSpool::at_rest(parameters, effects, 0.0, command(0.0));
