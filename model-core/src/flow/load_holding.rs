@@ -12,7 +12,8 @@
 //! between them is not modelled: while a port's edges are closed, its pilot line has the pressure of its chamber. Over a tick the poppet stands
 //! where the pressures at the start of the tick move it to, so the flow's slope is that of two orifices of fixed size. Error: 6e-8 of an opening.
 //!
-//! Bolts and relief settings of such valves: Jelali & Kroll, *Hydraulic Servo-systems*, 2003, 2.4; two orifices in series: Merritt 1967, ch. 3.
+//! Free flow one way, and a relief valve the other way whose setting the pilot lowers: Sun Hydraulics, data sheet of the counterbalance valve CBEA. That its
+//! opening grows in proportion is chosen. Two orifices in series: Merritt 1967, ch. 3.
 
 use crate::flow::opened::Four;
 use crate::number::Number;

@@ -36,7 +36,7 @@ pub use formats::sheet::Series;
 pub use formats::text::lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
 pub use formats::unsupported::Unsupported;
 pub use linkage::Linkage;
-pub use recording::{At, Column, FromAngle, Note, Recording};
+pub use recording::{At, Column, FromAngle, Note, Recording, median_interval};
 pub use signal::Signal;
 pub use static_table::StaticTable;
 pub use unit::{ATMOSPHERE_PA, Dimension, Unit};

@@ -383,7 +383,8 @@ pub(crate) fn gaps(time_s: &[f64]) -> Option<Note> {
 }
 
 /// The median interval between neighbours; NaN for fewer than two times.
-fn median_interval(time_s: &[f64]) -> f64 {
+#[must_use]
+pub fn median_interval(time_s: &[f64]) -> f64 {
     let mut intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = intervals.len() / 2;
     if intervals.is_empty() {

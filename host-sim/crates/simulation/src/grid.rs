@@ -1,7 +1,7 @@
 //! The core's tick grid over a recording.
 
 use model_core::machine::Tick;
-use recording::Recording;
+use recording::{Recording, median_interval};
 
 use crate::error::SimulateError;
 
@@ -88,13 +88,6 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// The middle one of the intervals between rows, s.
-fn median_interval_s(time_s: &[f64]) -> f64 {
-    let mut intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = intervals.len() / 2;
-    if intervals.is_empty() { 0.0 } else { *intervals.select_nth_unstable_by(middle, f64::total_cmp).1 }
-}
-
 /// Whether so few rows were recorded that the fast half of a drive does not show: below 50 Hz.
 #[must_use]
 pub fn is_sparse(time_s: &[f64]) -> bool {
@@ -104,7 +97,7 @@ pub fn is_sparse(time_s: &[f64]) -> bool {
     let mean_is =
         time_s.last().zip(time_s.first()).is_some_and(|(last, first)| (last - first) / intervals > SPARSE_FROM_S);
     // A gap makes no row rarer.
-    mean_is && median_interval_s(time_s) > SPARSE_FROM_S
+    mean_is && median_interval(time_s) > SPARSE_FROM_S
 }
 
 /// A series with one value for each row, at other times in their order: linear between rows, held before the first and after the last.

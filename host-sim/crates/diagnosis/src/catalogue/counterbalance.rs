@@ -12,11 +12,13 @@
 //! A return line's pressure grows with the flow alone, and the other chamber does not follow. A small tank edge keeps the ratio of both pressures.
 //!
 //! ## Parameters
-//! Setting of each chamber's valve, usually 1.3 times the largest pressure of the load; pilot ratio 1.5 to 10; pressure beyond the setting at which it is as
+//! Setting of each chamber's valve, by its makers' advice 1.3 times the largest pressure of the load; pilot ratio 1.5 to 10; pressure beyond the setting at which it is as
 //! wide as a metering edge at full travel; its time constant. It is tried only where both pressures are recorded.
 //!
 //! ## Source
-//! M. Jelali and A. Kroll, *Hydraulic Servo-systems*, Springer 2003, section 2.4; H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 3.
+//! Sun Hydraulics, data sheet of the counterbalance valve CBEA (free flow to the load; a relief valve the other way, whose setting pressure at the pilot
+//! port lowers by the pilot ratio). That its opening grows in proportion is chosen. H. E. Merritt, *Hydraulic Control Systems*, Wiley 1967, chapter 3 (two
+//! orifices in series).
 
 use model_core::machine::Parameter;
 use recording::Signal;
@@ -66,7 +68,7 @@ pub(crate) const HYPOTHESIS: Hypothesis = Hypothesis {
     ],
     extends: None,
     separated_by: "lowering at several speeds and with two loads, both pressures recorded",
-    source: "Jelali & Kroll 2003, section 2.4",
+    source: "Sun Hydraulics, data sheet of the counterbalance valve CBEA",
     shows_in: |scene| {
         matches!(scene.input_point, InputPoint::Command | InputPoint::Spool)
             && [Signal::PressureA, Signal::PressureB].iter().all(|&pressure| scene.judges(pressure))
