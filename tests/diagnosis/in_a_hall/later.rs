@@ -25,9 +25,10 @@ const ATTEMPTS: u64 = 60;
 const RATIO_WITHIN: f64 = 0.2;
 
 /// What was said of a pair.
+#[derive(serde::Serialize, serde::Deserialize)]
 pub(super) struct Pair {
     name: String,
-    part: &'static str,
+    part: String,
     /// How much there is later of what there was.
     ratio: f64,
     /// What was found then; the pair counts only if that is right.
@@ -35,7 +36,7 @@ pub(super) struct Pair {
     /// Ratio that was found of the part, if it was found to have changed.
     found: Option<f64>,
     /// What else was named.
-    falsely: Vec<&'static str>,
+    falsely: Vec<String>,
     unchanged: bool,
 }
 
@@ -54,8 +55,22 @@ pub(super) fn parts() -> impl Iterator<Item = Worn> {
     Worn::all().filter(|worn| !WITHOUT.contains(&worn.name()))
 }
 
+/// Where `HALL_RESUME` names a folder, what was said of a pair before is read there, and what is said of another is written there: one folder for one
+/// program.
+fn pair(worn: Worn, number: u64) -> Pair {
+    let Some(folder) = std::env::var_os("HALL_RESUME") else { return pair_now(worn, number) };
+    let path = Path::new(&folder).join(format!("{}-{number}-later.json", worn.name()));
+    if let Ok(before) = std::fs::read_to_string(&path) {
+        return serde_json::from_str(&before).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    }
+    let pair = pair_now(worn, number);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(path, serde_json::to_string(&pair).unwrap()).unwrap();
+    pair
+}
+
 /// A pair: the first ones of a part have changed, those after them have not.
-pub(super) fn pair(worn: Worn, number: u64) -> Pair {
+fn pair_now(worn: Worn, number: u64) -> Pair {
     let (mut hall, made) = super::drawn(Matter::Within(worn), number);
     let begun = Instant::now();
     let mut training = named(&made);
@@ -68,7 +83,7 @@ pub(super) fn pair(worn: Worn, number: u64) -> Pair {
     };
     let mut pair = Pair {
         name,
-        part: worn.name(),
+        part: worn.name().to_owned(),
         ratio: 1.0,
         then: right(&then),
         found: None,
@@ -109,7 +124,7 @@ pub(super) fn pair(worn: Worn, number: u64) -> Pair {
     for finding in &now.findings {
         match report::wording::most_changed(finding) {
             Some((estimate, before)) => pair.found = Some(estimate.value / before),
-            None => pair.falsely.push(finding.effect.name),
+            None => pair.falsely.push(finding.effect.name.to_owned()),
         }
     }
     let pressed = now.tolerances().into_iter().filter(|one| one.left_then.is_some()).map(|one| one.parameter);
@@ -124,9 +139,9 @@ pub(super) fn pair(worn: Worn, number: u64) -> Pair {
     pair
 }
 
-/// Every pair of the study.
+/// Every pair of the study, one of each part after the other: what is done of it says something of every part.
 pub(super) fn study() -> Vec<(Worn, u64)> {
-    parts().flat_map(|worn| (0..CHANGED + SAME).map(move |number| (worn, number))).collect()
+    (0..CHANGED + SAME).flat_map(|number| parts().map(move |worn| (worn, number))).collect()
 }
 
 pub(super) fn all(pairs: &[(Worn, u64)]) -> Vec<Pair> {

@@ -263,7 +263,7 @@ fn of_these_drives_nothing_is_said_to_be_missing_that_is_not() {
 }
 
 /// Slow: `cargo test --release -p system-tests --test diagnosis of_drives_that_were_recorded_again -- --ignored --nocapture`; a part of it by
-/// `LATER="internal-leakage 0 3"` before that.
+/// `LATER="internal-leakage 0 3"` before that. In pieces: `HALL_RESUME=folder` before each.
 #[test]
 #[ignore = "an hour or two"]
 fn of_drives_that_were_recorded_again_what_has_changed_is_named_and_what_has_not_is_not() {

@@ -5,6 +5,7 @@ use identification::experiment::Prepared;
 use machine_file::{LoadSource, MachineFile};
 use model_core::machine::{Machine, Parameter, Source, Tick};
 use recording::{Recording, Signal};
+use simulation::signal::correlation::{correlation, deviation, rows_early};
 use simulation::signal::noise::extent;
 use simulation::signal::slope::slopes;
 use simulation::signal::window::rows_in;
@@ -100,7 +101,7 @@ impl Responses {
                 signal: channel.signal,
                 correlation: if moves { correlation(&here, &there) } else { 0.0 },
                 ratio: if moves { recorded / answered } else { f64::INFINITY },
-                early_s: early_rows(&here, &there, rows_in(&case.time_s, EARLIEST_S)) as f64
+                early_s: rows_early(&here, &there, rows_in(&case.time_s, EARLIEST_S)) as f64
                     * recording.sample_interval_s(),
             });
         }
@@ -180,30 +181,7 @@ fn needed(recording: &Recording, machine: &Machine<f64>) -> Vec<Change> {
     factors.map(|factor| Change::Scaled(Signal::PressureA, factor)).collect()
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-fn deviation(values: &[f64]) -> f64 {
-    let mean = mean(values);
-    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
-}
-
 /// Mean square difference.
 fn distance(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (one - other).powi(2)).sum::<f64>() / one.len() as f64
-}
-
-/// By how many rows, at most so many, one series is earlier than the other: where they are most alike.
-fn early_rows(one: &[f64], other: &[f64], most: usize) -> usize {
-    let alike = |rows: usize| correlation(&one[..one.len() - rows], &other[rows..]);
-    let most = most.min(one.len() / 4);
-    (0..=most).max_by(|a, b| alike(*a).total_cmp(&alike(*b)).then(b.cmp(a))).unwrap_or(0)
-}
-
-fn correlation(one: &[f64], other: &[f64]) -> f64 {
-    let (mean_one, mean_other) = (mean(one), mean(other));
-    let product: f64 = one.iter().zip(other).map(|(one, other)| (one - mean_one) * (other - mean_other)).sum();
-    let both = deviation(one) * deviation(other) * one.len() as f64;
-    if both > 0.0 { product / both } else { 0.0 }
 }

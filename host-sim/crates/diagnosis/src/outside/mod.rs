@@ -13,7 +13,7 @@ use identification::experiment::Prepared;
 use identification::fit::{Change, Fit, FitError, Sensitivity, StartState, coarse, misfits, set_tolerances, settled};
 use identification::parallel;
 use model_core::machine::{Machine, Parameter};
-use proposals::{Proposal, proposals};
+use proposals::{Proposal, Sought, proposals};
 use shape::{Shape, Unit};
 
 use crate::selection::candidate::{NEARLY, SETTLED};
@@ -108,15 +108,20 @@ pub(crate) fn find(question: &Question<'_>, selection: &Selection) -> Result<Opt
     let base = &selection.base;
     let likeliest = selection.rounds.iter().flatten().map(|trial| trial.net).fold(0.0, f64::max);
     let mut proposed: Vec<(f64, Force, Fit)> = Vec::new();
+    // The motion that was recorded drives a structure: nothing that is named in free run is given up for it.
+    let with_structures = selection.chosen.effects.is_empty();
     for Solution { fit, once } in solutions(question, selection)? {
         let coarser = coarse(question.training, &fit.machine, &fit.starts)?;
         let cases: Vec<&Prepared> = coarser.iter().collect();
         let Some(sensitivity) = Sensitivity::at(&fit, &cases)? else { continue };
         let (misfit, left) = (sensitivity.misfit_above_noise(), sensitivity.settled_loss());
-        for Proposal { force, gain } in proposals(question.scene.machine, &sensitivity, &cases, once)? {
-            // The motion that was recorded drives a structure: nothing that is named in free run is given up for it.
-            let is_open = selection.chosen.effects.is_empty() || !force.follows_recorded_motion();
-            if is_open && gain > OUTSIDE_PROMISES * misfit {
+        let sought = match (once, with_structures) {
+            (true, _) => Sought::Pushes,
+            (false, false) => Sought::InTime,
+            (false, true) => Sought::All,
+        };
+        for Proposal { force, gain } in proposals(question.scene.machine, &sensitivity, &cases, sought)? {
+            if gain > OUTSIDE_PROMISES * misfit {
                 proposed.push((left - gain, force, fit.clone()));
             }
         }

@@ -39,12 +39,23 @@ pub(super) struct Proposal {
     pub(super) gain: f64,
 }
 
-/// The best of each kind; of pushes alone where it is sought what happens `once`.
+/// What is sought.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sought {
+    /// What happens once: pushes.
+    Pushes,
+    /// Every force that is given in time.
+    InTime,
+    /// Also what the recorded motion drives.
+    All,
+}
+
+/// The best of each kind that is sought.
 pub(super) fn proposals(
     machine: &Machine<f64>,
     sensitivity: &Sensitivity<'_>,
     cases: &[&Prepared],
-    once: bool,
+    sought: Sought,
 ) -> Result<Vec<Proposal>, FitError> {
     let at = |shape: Shape| -> Result<Proposal, FitError> {
         let (unit, amounts, positive) = (unit(machine, &shape), shape.amounts(cases.len()), shape.is_positive());
@@ -67,7 +78,7 @@ pub(super) fn proposals(
     if !windows.is_empty() {
         found.push(at(Shape::Pushes(windows))?);
     }
-    if once {
+    if sought == Sought::Pushes {
         return Ok(found);
     }
     if cases.len() > 1 {
@@ -75,7 +86,9 @@ pub(super) fn proposals(
     }
     let hertz = standing_out(sensitivity, cases);
     found.extend(best_of(hertz.into_iter().map(|hz| Shape::Periodic { hz }).collect())?);
-    found.extend(best_of(structures(cases))?);
+    if sought == Sought::All {
+        found.extend(best_of(structures(cases))?);
+    }
     Ok(found)
 }
 

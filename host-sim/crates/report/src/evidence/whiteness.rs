@@ -8,6 +8,7 @@ use diagnosis::{Diagnosis, Shown};
 use identification::visible::shows_lag;
 use recording::display_unit::significant;
 use recording::{Recording, Signal};
+use simulation::signal::correlation::lagged_product;
 
 /// Lags on each side, rows.
 const LAGS: usize = 100;
@@ -144,24 +145,20 @@ pub(crate) fn correlations(signal: Signal, lag_s: f64, series: &[(Vec<f64>, Vec<
     let series: Vec<(Vec<f64>, Vec<f64>)> =
         series.iter().map(|(missed, input)| (centred(missed), centred(input))).collect();
     // Σ a(t)·b(t + lag) over all recordings.
-    let product = |of: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> (usize, f64)| {
-        series.iter().map(of).fold((0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
-    };
-    let shifted = |a: &[f64], b: &[f64], lag: usize| -> (usize, f64) {
-        let rows = b.len().saturating_sub(lag).min(a.len());
-        (rows, a.iter().zip(b.get(lag..).unwrap_or_default()).map(|(a, b)| a * b).sum())
-    };
-    let (rows, missed_square) = product(&|(missed, _)| shifted(missed, missed, 0));
-    let (_, input_square) = product(&|(_, input)| shifted(input, input, 0));
+    let product = |of: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> f64| series.iter().map(of).fold(0.0, |sum, one| sum + one);
+    let rows: usize = series.iter().map(|(missed, _)| missed.len()).sum();
+    let missed_square = product(&|(missed, _)| lagged_product(missed, missed, 0));
+    let input_square = product(&|(_, input)| lagged_product(input, input, 0));
     let over = |value: f64, by: f64| if by > 0.0 { value / by } else { 0.0 };
-    let auto: Vec<f64> =
-        (1..=LAGS).map(|lag| over(product(&|(missed, _)| shifted(missed, missed, lag)).1, missed_square)).collect();
+    let auto: Vec<f64> = (1..=LAGS)
+        .map(|lag| over(product(&|(missed, _)| lagged_product(missed, missed, lag)), missed_square))
+        .collect();
     let of_input: Vec<f64> =
-        (1..=LAGS).map(|lag| over(product(&|(_, input)| shifted(input, input, lag)).1, input_square)).collect();
+        (1..=LAGS).map(|lag| over(product(&|(_, input)| lagged_product(input, input, lag)), input_square)).collect();
     let both = (missed_square * input_square).sqrt();
     let cross = if input_square > 0.0 {
-        let before = (1..=LAGS).rev().map(|lag| product(&|(missed, input)| shifted(missed, input, lag)).1);
-        let after = (0..=LAGS).map(|lag| product(&|(missed, input)| shifted(input, missed, lag)).1);
+        let before = (1..=LAGS).rev().map(|lag| product(&|(missed, input)| lagged_product(missed, input, lag)));
+        let after = (0..=LAGS).map(|lag| product(&|(missed, input)| lagged_product(input, missed, lag)));
         before.chain(after).map(|value| over(value, both)).collect()
     } else {
         Vec::new()
