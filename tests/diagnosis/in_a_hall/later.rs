@@ -41,7 +41,16 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    fn line(&self) -> String {
+    /// Whether the change was found with its ratio, and nothing else.
+    pub(super) fn is_right(&self) -> bool {
+        self.has_ratio() && self.falsely.is_empty()
+    }
+
+    fn has_ratio(&self) -> bool {
+        self.found.is_some_and(|found| (found / self.ratio - 1.0).abs() < RATIO_WITHIN)
+    }
+
+    pub(super) fn line(&self) -> String {
         let found = self.found.map_or_else(|| "no change".to_owned(), |ratio| format!("{ratio:.2}"));
         let then = if self.then { "" } else { ", not found then" };
         format!("{}: {found} for {:.2}, also {:?}{then}", self.name, self.ratio, self.falsely)
@@ -70,7 +79,7 @@ fn pair(worn: Worn, number: u64) -> Pair {
 }
 
 /// A pair: the first ones of a part have changed, those after them have not.
-fn pair_now(worn: Worn, number: u64) -> Pair {
+pub(super) fn pair_now(worn: Worn, number: u64) -> Pair {
     let (mut hall, made) = super::drawn(Matter::Within(worn), number);
     let begun = Instant::now();
     let mut training = named(&made);
@@ -164,11 +173,10 @@ impl Counts {
     pub(super) fn of<'a>(pairs: impl IntoIterator<Item = &'a Pair>) -> Self {
         let (same, changed): (Vec<&Pair>, Vec<&Pair>) =
             pairs.into_iter().filter(|pair| pair.then).partition(|pair| (pair.ratio - 1.0).abs() < 1e-9);
-        let is_right = |pair: &&&Pair| pair.found.is_some_and(|found| (found / pair.ratio - 1.0).abs() < RATIO_WITHIN);
         Self {
             changed: changed.len(),
             named: changed.iter().filter(|pair| pair.found.is_some()).count(),
-            ratio: changed.iter().filter(is_right).count(),
+            ratio: changed.iter().filter(|pair| pair.has_ratio()).count(),
             same: same.len(),
             unchanged: same.iter().filter(|pair| pair.unchanged).count(),
             claimed: same.iter().filter(|pair| pair.found.is_some() || !pair.falsely.is_empty()).count(),

@@ -262,6 +262,14 @@ fn of_these_drives_nothing_is_said_to_be_missing_that_is_not() {
     }
 }
 
+/// Position alone: load, tank pressure and the valve's gain, each far from then's, made up for a leak that had become half as large.
+#[test]
+fn a_leak_that_fell_is_told_where_the_base_parameters_can_make_up_for_it() {
+    let leak = later::parts().find(|worn| worn.name() == "internal-leakage").unwrap();
+    let pair = later::pair_now(leak, 8);
+    assert!(pair.is_right(), "{}", pair.line());
+}
+
 /// Slow: `cargo test --release -p system-tests --test diagnosis of_drives_that_were_recorded_again -- --ignored --nocapture`; a part of it by
 /// `LATER="internal-leakage 0 3"` before that. In pieces: `HALL_RESUME=folder` before each.
 #[test]

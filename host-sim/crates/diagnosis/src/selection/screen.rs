@@ -175,8 +175,13 @@ fn best(
         // A point that is no valid drive is no lead.
         (predicted.form, lead(scene, fit, sensitivity, effect, form, predicted).ok().flatten())
     });
+    let changed = parallel::each(changed(scene, fit, forms), |(index, values)| {
+        let (effect, form) = forms[index];
+        let lead = Lead::at(sensitivity, fit, effect, form, values).ok();
+        (index, lead.filter(|lead| lead.gain > 0.0))
+    });
     let mut best: Vec<Option<Lead>> = vec![None; forms.len()];
-    for (index, lead) in leads {
+    for (index, lead) in leads.into_iter().chain(changed) {
         if let Some(lead) = lead
             && is_beyond_tolerance(scene, &fit.free, lead.form, &lead.values)
             && best[index].as_ref().is_none_or(|known| known.gain < lead.gain)
@@ -187,6 +192,26 @@ fn best(
     let mut found: Vec<Lead> = best.into_iter().flatten().collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     found
+}
+
+/// Of each form of an effect that may have changed, points with more or less of one of its amounts, however small a change the derivatives predict: the base
+/// parameters make up for much of a change, and a slope there says little of what is far away.
+fn changed(scene: &Scene<'_>, fit: &Fit, forms: &[(&'static Hypothesis, Form)]) -> Vec<(usize, Values)> {
+    /// How much there is of what there was.
+    const TRIED: [f64; 4] = [0.4, 0.7, 1.5, 2.5];
+    let of_form = |(index, (_, form)): (usize, &(&'static Hypothesis, Form))| {
+        let now: Values = amounts(form).map(|amount| (amount.parameter, taken_up(fit, amount))).collect();
+        let may_change = amounts(form).enumerate().filter(|(_, amount)| scene.before(amount) != 0.0);
+        let shape = shapes(scene, form).into_iter().next().unwrap_or_default();
+        let points = may_change.flat_map(|(slot, amount)| TRIED.map(|ratio| (slot, ratio * scene.before(amount))));
+        let with = |(slot, value): (usize, f64)| {
+            let mut values = [shape.as_slice(), &now].concat();
+            values[shape.len() + slot].1 = value;
+            (index, values)
+        };
+        points.map(with).collect::<Vec<_>>()
+    };
+    forms.iter().enumerate().flat_map(of_form).collect()
 }
 
 /// Every combination of the shapes' points; of an effect that may have changed, the shapes that it has. A rigid friction has no stiffness.

@@ -6,7 +6,7 @@ use model_core::machine::Parameter;
 
 use super::{Candidate, Chosen, Question, effect_parameters};
 use crate::agreement::USED_UP;
-use crate::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene, covered_by, tolerance};
+use crate::catalogue::{AMOUNT_KNOWN, EffectParameter, Form, Hypothesis, Kind, Scene, covered_by, tolerance};
 use crate::selection::decision_rule::{
     AMOUNT_NEGLIGIBLE, FIRM_FROM, HARDLY_JUMPS_FROM, PLACE_WITHIN, PRESSED, PRESSED_SIGNED, PULLED_TOO_FAR_QUANTILE,
     SHAPES_A_PLAY_BELOW, SIGNED_NEGLIGIBLE,
@@ -128,14 +128,19 @@ impl Candidate {
         amounts.peek().is_none() || amounts.any(is_beyond)
     }
 
-    /// Whether it has used up the tolerance of an amount of a plain effect, or what is left of it: only recordings that press for more come so far.
+    /// Whether it has used up the tolerance of an amount of a plain effect, or what is left of it, or within how much an amount that may have changed is
+    /// known: only recordings that press for more, or for less, come so far.
     pub(crate) fn presses(&self, question: &Question<'_>, effect: &Hypothesis, form: Form) -> bool {
         let used_up = |own: &EffectParameter| {
+            let before = question.scene.before(own);
+            if before != 0.0 {
+                let moved = (self.fit.machine.get(own.parameter) - before).abs();
+                return moved > USED_UP * AMOUNT_KNOWN * before.abs();
+            }
             let cover = covered_by(own.parameter);
             let free = question.base_parameters.iter().find(|free| free.parameter == cover);
             let used = free.and_then(|free| free.share_used(self.fit.machine.get(cover)));
-            // What may have changed is no tolerance.
-            question.scene.before(own) == 0.0 && own.is_amount() && used.is_some_and(|share| share > USED_UP)
+            own.is_amount() && used.is_some_and(|share| share > USED_UP)
         };
         effect.extends.is_none() && form.iter().any(used_up)
     }
