@@ -14,6 +14,7 @@ use embedded_hal::spi::{MODE_0, MODE_1};
 use embedded_hal_bus::spi::ExclusiveDevice;
 use firmware::app::press::{BOUNDS, TICK_NS, values};
 use firmware::app::{Desk, Ring, wired};
+use firmware::board::stack;
 use firmware::period::{Answer, Timing, Watchdog};
 use firmware::set_point::Bounds;
 use firmware::supervision::Defmt;
@@ -51,7 +52,8 @@ fn main() -> ! {
 }
 
 /// Wires the board and runs its periods; returns only if it cannot begin, and then the watchdog restarts the controller.
-fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Option<Ring>) {
+fn run(board: Peripherals, mut core: cortex_m::Peripherals, memory: &'static mut Option<Ring>) {
+    stack::guard(&mut core.MPU);
     // 8 MHz from the ST-LINK; 168 MHz without overdrive: 84 MHz for SPI1 and the timers, 42 MHz for SPI2, SPI3 and USART2.
     let mut rcc = board.RCC.freeze(Config::hse(8.MHz()).bypass_hse_oscillator().sysclk(168.MHz()));
     let dwt = core.DWT.constrain(core.DCB, &rcc.clocks);
