@@ -49,7 +49,7 @@ pub enum Answer {
 pub enum Place {
     /// It is.
     Known,
-    /// Somebody must give the rod's position before it follows: [`Period::home`].
+    /// Somebody must give the rod's position before it follows: [`Period::home`](super::Period::home).
     Lost,
 }
 

@@ -6,7 +6,7 @@
 //!
 //! | limit | by | for |
 //! |---|---|---|
-//! | following error | first jump + [`OFF`]·velocity/process gain | the process loop's lag, 2/(3·process gain) |
+//! | following error | first jump + [`OFF`]·velocity/process gain + the encoder's step | the process loop's lag, 2/(3·process gain) |
 //! | velocity error | [`OFF`]·velocity + first jump/lag | the same |
 //! | spool | 1/10 of its travel at the largest command + 0.05 | lags and delay of the valve |
 //! | range | the bounds of the set points, wider by the following error | – |
@@ -148,5 +148,43 @@ impl DeviationLimits {
             Some((name, value)) => Err(LimitsError::NotPositive { name, value }),
             None => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::drive::Drive;
+    use model_core::machine::Tick;
+
+    use super::*;
+    use crate::app::press;
+
+    fn limits(tuning: &Tuning) -> Result<DeviationLimits, LimitsError> {
+        let machine = press::machine();
+        let drive = Drive::<PerUnit>::new::<64>(&machine, Tick::OneMillisecond).unwrap();
+        DeviationLimits::new(&Deviation::by_rule(&machine, tuning, &press::BOUNDS, 1e-3), drive.bases())
+    }
+
+    #[test]
+    fn the_rule_gives_the_press_the_limits_that_the_documents_state() {
+        let limits = limits(&press::tuning(&press::machine())).unwrap();
+        let near = |found: Option<Patience>, by: f64, periods| {
+            let Patience { travel, periods: found } = found.unwrap();
+            assert!((travel.to_f64() / by - 1.0).abs() < 0.01 && found == periods, "{travel:?} {found}");
+        };
+        near(limits.position, 1.8e-3 / 0.3, 49);
+        near(limits.velocity, 31.45e-6 / 0.3, 49);
+        near(limits.spool, 0.1031, 53);
+        near(limits.rest, 1.8e-3 / 0.3, 106);
+        let [from, to] = limits.range.unwrap();
+        assert!((from.to_f64() * 300.0 - 8.2).abs() < 0.01 && (to.to_f64() * 300.0 - 291.8).abs() < 0.01);
+        assert_eq!(limits.alarm, Some(Response::RampDown));
+    }
+
+    #[test]
+    fn a_loop_without_gain_has_no_limits_by_rule() {
+        let none = Tuning { process_gain_per_s: 0.0, ..press::tuning(&press::machine()) };
+        let refused = limits(&none);
+        assert!(matches!(refused, Err(LimitsError::DoesNotFit { .. })), "{refused:?}");
     }
 }
