@@ -19,6 +19,7 @@ use system_tests::snapshot;
 
 /// Periods of a case in which something begins: the last fault is acknowledged, the rod is homed, following is ordered, the rod moves.
 const HOME: usize = 1;
+const IGNORE: usize = 2;
 const FOLLOW: usize = 120;
 const MOVE: usize = 220;
 /// After the fault's window its cause is removed. Then following is ordered, or acknowledgement where the rod is held; then it is stopped.
@@ -104,18 +105,18 @@ fn all() -> Vec<Provoked> {
             Mode::RampingDown,
         ),
         Provoked::stuck(
-            "spool stuck",
+            "spool's sensor stuck",
             |board, _, period, seen| {
                 if period == 0 {
                     board.wrong.spool_v = Some(10.0 * seen.spool / press::SPOOL_AT_10_V);
                 }
             },
-            Fault::Stuck { signal: spool, count: 0 },
-            Mode::RampingDown,
+            Fault::SpoolDeviates { off: ZERO },
+            Mode::Neutral,
         ),
         Provoked::stuck(
             "encoder stuck",
-            |board, _, _, _| board.wrong.uncoupled = true,
+            |board, _, _, _| board.wrong.sense = Some(0),
             Fault::PositionStuck { position: ZERO },
             Mode::Neutral,
         ),
@@ -167,6 +168,12 @@ fn all() -> Vec<Provoked> {
             "set point beyond the stroke",
             |_, request, _, _| request.wanted.position = PerUnit::saturated(1.5),
             Fault::SetPointOutside { position: ZERO, velocity: ZERO },
+            Mode::Holding,
+        ),
+        Provoked::at_once(
+            "set point accelerates",
+            |_, request, _, _| request.wanted.velocity = ZERO,
+            Fault::SetPointSteep { position: ZERO, velocity: ZERO },
             Mode::Holding,
         ),
         Provoked::at_once(
@@ -228,6 +235,8 @@ impl Play {
                 self.from = seen.position_m / self.bases.stroke_m;
                 Order::Home
             }
+            // The monitor would see some of these faults first; `runaway` is about that.
+            IGNORE => Order::IgnoreAlarms,
             FOLLOW => {
                 self.from = self.last.position.to_f64();
                 Order::Follow

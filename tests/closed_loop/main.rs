@@ -11,5 +11,7 @@ mod following;
 #[cfg(unix)]
 mod on_target;
 mod pi;
+#[cfg(unix)]
+mod runaway;
 mod table;
 mod tracking;

@@ -31,15 +31,21 @@ fn the_link_that_misses_is_told_once_and_so_is_each_fault() {
         let (image, log) = processor.log("log");
         let lines = decoded(&image, &log);
         println!("{processor:?}\n{}", lines.join("\n"));
-        let told: Vec<&str> = lines.iter().map(|line| line.split(" is off by ").next().unwrap_or(line)).collect();
+        let untold = [" is off by ", " { from: "];
+        let told: Vec<&str> = lines
+            .iter()
+            .map(|line| untold.iter().fold(line.as_str(), |line, rest| line.split(rest).next().unwrap_or(line)))
+            .collect();
         assert_eq!(
             told,
             [
                 "info mode: Starting -> Following",
                 "warn alarm: Mechanics misses: Position",
-                "error fault: OpenWire { signal: PressureA, count: 0 }",
+                "error fault: Alarm { signal: Position, response: RampDown }",
                 "info mode: Following -> RampingDown",
                 "info mode: RampingDown -> Neutral",
+                "error fault: MovesAtNeutral",
+                "error fault: OpenWire { signal: PressureA, count: 0 }",
                 "error fault: EncoderJump { counts: 10000 }",
             ],
             "{processor:?}"

@@ -6,6 +6,7 @@
 mod budget;
 mod image;
 mod log;
+mod overflow;
 mod parity;
 mod trials;
 #[cfg(unix)]

@@ -51,6 +51,8 @@ pub struct Said {
     pub faults: u8,
     /// Kind of the last fault.
     pub last_fault: u8,
+    /// Whether the oil must be cut off by an independent valve.
+    pub shut_off: bool,
     /// Command that was output, in 10 V.
     pub command: PerUnit,
     /// Measured position, of the stroke.
@@ -69,6 +71,7 @@ impl Said {
             refused: frame[15] == 1,
             faults: frame[16],
             last_fault: frame[17],
+            shut_off: frame[18] == 1,
             command: word(0),
             position: word(4),
             model: word(8),
@@ -89,8 +92,12 @@ pub struct Wrong {
     pub spool_v: Option<f64>,
     /// The same of pressure A.
     pub pressure_a_v: Option<f64>,
-    /// The rod does not turn the encoder.
-    pub uncoupled: bool,
+    /// Which way the rod turns the encoder, if not as it should: -1 the wrong way, 0 not at all.
+    pub sense: Option<i32>,
+    /// The command's wires are exchanged at the valve.
+    pub exchanged: bool,
+    /// The spool is jammed where this voltage would have it.
+    pub jammed_v: Option<f64>,
     /// The line from this part ([`part`]) is stuck at this level.
     pub hangs: Option<(u8, u8)>,
     /// The output is shorted.
@@ -196,7 +203,8 @@ impl Board {
     /// The output is down.
     #[must_use]
     pub fn volts(&self) -> f64 {
-        self.output.volts(0).expect("the output is up")
+        let volts = self.output.volts(0).expect("the output is up");
+        self.wrong.jammed_v.unwrap_or(if self.wrong.exchanged { -volts } else { volts })
     }
 
     /// The encoder's count jumps.
@@ -207,15 +215,13 @@ impl Board {
     /// From now on the sensors show these readings, except where a fault is set.
     fn show(&mut self, seen: &Readings) {
         let pressure_v = |pressure_pa: f64| 0.5 + 4.0 * pressure_pa / press::PRESSURE_AT_4_5_V_PA;
-        let Wrong { spool_v, pressure_a_v, uncoupled, shorted, .. } = self.wrong;
+        let Wrong { spool_v, pressure_a_v, sense, shorted, .. } = self.wrong;
         self.inputs.inputs_v[1] = Some(spool_v.unwrap_or(10.0 * seen.spool / press::SPOOL_AT_10_V));
         self.inputs.inputs_v[2] = Some(pressure_a_v.unwrap_or(pressure_v(seen.pressure_a_pa)));
         self.inputs.inputs_v[3] = Some(pressure_v(seen.pressure_b_pa));
         self.output.shorted = shorted.then_some(0);
         let counts = counts(seen);
-        if !uncoupled {
-            self.counter.turn(counts - self.counts);
-        }
+        self.counter.turn(sense.unwrap_or(1) * (counts - self.counts));
         self.counts = counts;
     }
 
@@ -322,6 +328,8 @@ impl Controller for Follows {
     fn command_v(&mut self, wanted: Wanted, seen: &Readings) -> f64 {
         let order = match self.periods {
             0 => Order::Home,
+            // A machine that is recorded for a diagnosis differs from its model.
+            1 => Order::IgnoreAlarms,
             SETTLING => Order::Follow,
             RECORDED_FROM => Order::Record,
             _ => Order::None,

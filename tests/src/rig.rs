@@ -55,6 +55,8 @@ pub struct Rig {
     pub wanted: Vec<Wanted>,
     /// Its sensors.
     pub sensors: Sensors,
+    /// How long a period really lasts, s.
+    pub period_s: f64,
 }
 
 /// One period of a run.
@@ -93,7 +95,14 @@ impl Rig {
     #[must_use]
     pub fn new(machine: &Machine<f64>, wanted: Vec<Wanted>) -> Self {
         let sensors = Sensors::of(machine).unwrap();
-        Self { machine: *machine, effects: Vec::new(), load: LoadProfile::none(), wanted, sensors }
+        Self {
+            machine: *machine,
+            effects: Vec::new(),
+            load: LoadProfile::none(),
+            wanted,
+            sensors,
+            period_s: TICK.seconds(),
+        }
     }
 
     /// What the sensors show before anything has moved.
@@ -123,7 +132,7 @@ impl Rig {
     pub fn run(&self, controller: &mut dyn Controller) -> Vec<Row> {
         let plant = Plant::new(&self.machine, TOLERANCE).unwrap();
         let plant = plant.with_effects(&self.effects).with_load(self.load.clone());
-        let times_s: Vec<f64> = (0..self.wanted.len()).map(|tick| tick as f64 * TICK.seconds()).collect();
+        let times_s: Vec<f64> = (0..self.wanted.len()).map(|tick| tick as f64 * self.period_s).collect();
         let mut eyes = Eyes::new(self.sensors);
         let mut rows = Vec::with_capacity(self.wanted.len());
         plant

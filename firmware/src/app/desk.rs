@@ -1,16 +1,16 @@
 //! A station with an operator: keys come in, periods run, and a recording goes out. A board adds the line and the clock.
 //!
 //! ```text
-//! key ─► Operator ─► request ─► Station ─► Outcome          recorder ─► Outbox ─► byte
+//! key ─► Operator ─► request ─► Station ─► Report           recorder ─► Outbox ─► byte
 //! ```
 
 use thiserror::Error;
 
 use super::operator::{Errand, Operator, OperatorError, OperatorState};
 use super::press::{TICK_NS, values};
-use super::station::{Outcome, Station};
+use super::station::Station;
 use crate::io::{AnalogIn, AnalogOut, PositionIn};
-use crate::period::Timing;
+use crate::period::{Report, Timing};
 use crate::recorder::Outbox;
 use crate::set_point::Bounds;
 use crate::supervision::Log;
@@ -57,6 +57,7 @@ impl<'a, A: AnalogIn, P: PositionIn, O: AnalogOut> Desk<'a, A, P, O> {
             Some(Errand::Trigger) => self.station.trigger(),
             Some(Errand::Send) => self.outbox.send(),
             Some(Errand::Arm) => self.station.arm(),
+            Some(Errand::IgnoreAlarms) => self.station.answer_alarms(None),
         }
         Ok(())
     }
@@ -67,10 +68,10 @@ impl<'a, A: AnalogIn, P: PositionIn, O: AnalogOut> Desk<'a, A, P, O> {
     }
 
     /// One period, called once a tick.
-    pub fn step(&mut self, timing: Timing, log: &mut impl Log) -> Outcome {
-        let outcome = self.station.step(&self.operator.request(&mut self.state, timing), log);
-        self.operator.seen(&mut self.state, &outcome.report);
-        outcome
+    pub fn step(&mut self, timing: Timing, log: &mut impl Log) -> Report {
+        let report = self.station.step(&self.operator.request(&mut self.state, timing), log);
+        self.operator.seen(&mut self.state, &report);
+        report
     }
 
     /// The next byte to be sent, if there is one; to be fetched between two periods.

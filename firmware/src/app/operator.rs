@@ -9,7 +9,8 @@
 //! | `a` | acknowledge the faults |
 //! | `t` | trigger the recorder |
 //! | `d` | send what the recorder holds |
-//! | `n` | delete that, and wait for the next alarm |
+//! | `n` | delete that, and wait for the next alarm or fault |
+//! | `i` | from now on an alarm of the monitor is told and stops nothing, until the next start |
 //!
 //! Spaces and line ends do nothing. Positions are whole millimetres. After an unknown character, or one that was lost on the line,
 //! everything except `s` is ignored until the next space or line end: half a number would be another position.
@@ -40,6 +41,8 @@ pub enum Errand {
     Send,
     /// Arm the recorder for the next trigger.
     Arm,
+    /// From now on an alarm of the monitor leads to nothing.
+    IgnoreAlarms,
 }
 
 /// Why the input is rejected.
@@ -47,7 +50,7 @@ pub enum Errand {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OperatorError {
     /// No such command.
-    #[error("{found:#04x} is none of f, g, s, a, z, t, d, n")]
+    #[error("{found:#04x} is none of f, g, s, a, z, t, d, n, i")]
     Unknown {
         /// What was typed.
         found: u8,
@@ -140,6 +143,7 @@ impl Operator {
             b't' => return Ok(Some(Errand::Trigger)),
             b'd' => return Ok(Some(Errand::Send)),
             b'n' => return Ok(Some(Errand::Arm)),
+            b'i' => return Ok(Some(Errand::IgnoreAlarms)),
             found => {
                 state.garbled = true;
                 return Err(OperatorError::Unknown { found });
@@ -192,7 +196,7 @@ impl Operator {
             Mode::Following => {}
             Mode::Holding => {
                 state.course = None;
-                state.wanted.velocity = PerUnit::ZERO;
+                state.wanted = SetPoint { velocity: PerUnit::ZERO, ..report.followed };
             }
             Mode::Starting | Mode::RampingDown | Mode::Neutral => {
                 state.course = None;
@@ -234,8 +238,11 @@ mod tests {
             measured: nothing,
             predicted: None,
             command: PerUnit::ZERO,
+            followed: SetPoint { position, velocity: PerUnit::ZERO },
             answer: None,
             active_faults: ActiveFaults::NONE,
+            alarm: None,
+            shut_off: false,
             watchdog: Watchdog::Feed,
             energised: mode.is_running(),
         }
@@ -325,7 +332,9 @@ mod tests {
         let mut state = operator.at_rest();
         let Ok(Some(Errand::Home { position })) = type_in(&operator, &mut state, "150z") else { panic!("no errand") };
         assert!((millimetres(&operator, position) - 150.0).abs() < 1e-3);
-        for (letter, errand) in [("t", Errand::Trigger), ("d", Errand::Send), ("n", Errand::Arm)] {
+        for (letter, errand) in
+            [("t", Errand::Trigger), ("d", Errand::Send), ("n", Errand::Arm), ("i", Errand::IgnoreAlarms)]
+        {
             assert_eq!(type_in(&operator, &mut state, letter), Ok(Some(errand)));
         }
     }

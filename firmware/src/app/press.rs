@@ -8,11 +8,11 @@ use model_core::machine::{Bases, Machine};
 
 use crate::io::ads8688::{CHANNELS, Range};
 use crate::measured::AnalogSignal;
-use crate::monitor::{Sensitivity, Spread};
+use crate::monitor::{Monitor, MonitorError, Sensitivity, Spread};
 use crate::period::Rig;
 use crate::scaling::{Actuator, Band, Calibration, CalibrationError, Encoder, Point, Rising, Sensor, Travel};
 use crate::set_point::Bounds;
-use crate::supervision::{Allowed, Delay, Limits, LimitsError};
+use crate::supervision::{Allowed, Delay, Deviation, Limits, LimitsError, Response};
 
 /// What `host-sim export` wrote.
 pub mod values {
@@ -38,8 +38,15 @@ pub const PRESSURE_AT_4_5_V_PA: f64 = 10e6;
 const COMMAND_V: f64 = 9.5;
 const SLEW_V_PER_S: f64 = 2000.0;
 
-/// Where the rod may be sent.
-pub const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.2, acceleration_m_per_s2: 1.0 };
+/// Where the rod may be sent, and how fast. At its largest command the press moves out at 70 and in at 45 mm/s; with its values off by what the limits of
+/// deviation allow for, it still reaches these bounds.
+pub const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.036, acceleration_m_per_s2: 0.5 };
+
+/// What the monitor's alarm leads to, unless the operator says otherwise.
+pub const ALARM: Option<Response> = Some(Response::RampDown);
+
+/// How far the first set point may be from the rod.
+const JUMP_M: f64 = 0.001;
 
 /// What the monitor attributes to chance: sensor noise, and what the press's model is known not to predict.
 pub const SENSITIVITY: Sensitivity = Sensitivity {
@@ -59,6 +66,9 @@ pub enum PressError {
     /// The limits.
     #[error(transparent)]
     Limits(#[from] LimitsError),
+    /// The monitor.
+    #[error(transparent)]
+    Monitor(#[from] MonitorError),
 }
 
 /// The drive.
@@ -106,7 +116,8 @@ pub fn rig(machine: &Machine<f64>, bases: &Bases, input_uv: u32, output_uv: u32)
         attempts: 3,
         settling_s: 0.1,
         bounds: BOUNDS,
-        jump_m: 0.005,
+        jump_m: JUMP_M,
+        set_point_step_m: 0.0,
         command_v: COMMAND_V,
         slew_v_per_s: SLEW_V_PER_S,
         ramp_v_per_s: 50.0,
@@ -114,8 +125,10 @@ pub fn rig(machine: &Machine<f64>, bases: &Bases, input_uv: u32, output_uv: u32)
         still_spool: Some(Delay { by: 0.1, for_s: 0.2 }),
         still_pressure: Some(Delay { by: 0.5e6, for_s: 0.5 }),
         read_back: None,
+        deviation: Deviation { alarm: ALARM, ..Deviation::by_rule(machine, &tuning(machine), &BOUNDS, JUMP_M) },
     };
     let limits = Limits::new(&allowed, machine, bases)?;
     let calibration = Calibration::new(&sensors, input_uv, &actuator, output_uv, bases)?;
-    Ok(Rig { calibration, travel: Travel::straight(&encoder, bases)?, limits })
+    let monitor = Some(Monitor::new(&SENSITIVITY, bases)?);
+    Ok(Rig { calibration, travel: Travel::straight(&encoder, bases)?, limits, monitor })
 }

@@ -1,7 +1,7 @@
-//! The whole firmware of the press, from the exported values and over any devices: period, monitor and recorder together.
+//! The whole firmware of the press, from the exported values and over any devices: period with monitor, and recorder together.
 //!
 //! ```text
-//! Assembly ─ from the exported values, once ─► Station ─ step, once a tick ─► Outcome
+//! Assembly ─ from the exported values, once ─► Station ─ step, once a tick ─► Report
 //! ```
 //!
 //! A board connects the three parts to its buses ([`wired`]); a program that simulates the devices passes its own ([`Assembly::over`]).
@@ -19,17 +19,16 @@ use crate::io::ads8688::Ads8688;
 use crate::io::ls7366r::{FilterClock, Ls7366r};
 use crate::io::{AnalogIn, AnalogOut, Cause, IoError, PositionIn};
 use crate::measured::Measured;
-use crate::monitor::{Innovation, Miss, Monitor, MonitorError, MonitorState};
 use crate::period::{BeginError, Devices, Period, Place, Report, Request, Rig};
 use crate::recorder::{Channel, Range, Recorder, RecorderError};
-use crate::supervision::{Device, Log};
+use crate::supervision::{ActiveFaults, Deviation, DeviationLimits, Device, Log, Response};
 
 /// Channels of the recorder.
 const CHANNELS: usize = 5;
 /// Rows of the recorder: six seconds.
-const ROWS: usize = 6000;
-/// Rows from before the trigger: half a second.
-const BEFORE: usize = 500;
+pub const ROWS: usize = 6000;
+/// Time that the recorder keeps from before its trigger, s, unless [`Assembly::recording_before`] says otherwise.
+pub const BEFORE_S: f64 = 2.0;
 
 /// The recorder of this rig: command, spool, pressures and position, one row per period; 60 kB.
 pub type Ring = Recorder<CHANNELS, ROWS>;
@@ -52,9 +51,6 @@ pub enum StationError {
     /// They do not fit the wiring.
     #[error(transparent)]
     Press(#[from] PressError),
-    /// They do not fit the monitor.
-    #[error(transparent)]
-    Monitor(#[from] MonitorError),
     /// The recorder.
     #[error(transparent)]
     Recorder(#[from] RecorderError),
@@ -80,7 +76,8 @@ pub struct Assembly {
     bases: Bases,
     rig: Rig,
     control: Press,
-    monitor: Monitor,
+    /// Rows that the recorder keeps from before its trigger.
+    before: usize,
 }
 
 impl Assembly {
@@ -101,9 +98,34 @@ impl Assembly {
         let reference = Reference::at_rest(machine, tick, 0.5)?;
         let bases = *reference.bases();
         let control = Following::new(Follower::new(machine, &press::tuning(machine), tick)?, reference);
-        let monitor = Monitor::new(&press::SENSITIVITY, &bases)?;
         let rig = press::rig(machine, &bases, input_uv, output_uv)?;
-        Ok(Self { bases, rig, control, monitor })
+        let assembly = Self { bases, rig, control, before: 0 };
+        assembly.recording_before(BEFORE_S)
+    }
+
+    /// The same with a recorder that keeps so many seconds from before its trigger; the rest of its [`ROWS`] follows the trigger.
+    ///
+    /// # Errors
+    /// The time is not a number, negative, or leaves no row for the trigger.
+    pub fn recording_before(self, seconds: f64) -> Result<Self, StationError> {
+        let rows = libm::round(seconds / self.bases.tick_s);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the limits just checked")]
+        let before = if (0.0..ROWS as f64).contains(&rows) { rows as usize } else { usize::MAX };
+        if before < ROWS {
+            Ok(Self { before, ..self })
+        } else {
+            Err(RecorderError::Before { before, room: ROWS }.into())
+        }
+    }
+
+    /// The same with other limits of deviation than those by rule.
+    ///
+    /// # Errors
+    /// A limit does not fit, or the range is empty.
+    pub fn deviating(mut self, deviation: &Deviation) -> Result<Self, StationError> {
+        let limits = DeviationLimits::new(deviation, &self.bases).map_err(PressError::from)?;
+        self.rig.limits.deviation = limits;
+        Ok(self)
     }
 
     /// What 1 per unit stands for, in SI units.
@@ -128,7 +150,7 @@ impl Assembly {
         place: Place,
         memory: &mut Option<Ring>,
     ) -> Result<Station<'_, A, P, O>, StationError> {
-        let Self { bases, rig, control, monitor } = self;
+        let Self { bases, rig, control, before } = self;
         let channel = |name, unit, base, range| Channel { name, unit, base, range };
         let recorder = memory.insert(Recorder::new(
             [
@@ -139,14 +161,14 @@ impl Assembly {
                 channel("pressure_b", "Pa", bases.pressure_pa, Range::Two),
                 channel("position", "m", bases.stroke_m, Range::One),
             ],
-            BEFORE,
+            before,
         )?);
         let period = Period::begin(devices, rig, control, place).map_err(|error| match error {
             BeginError::Limits(error) => StationError::Press(error.into()),
             BeginError::Position(error) => StationError::of(Device::Position)(error.cause()),
             BeginError::Output(error) => StationError::of(Device::Output)(error.cause()),
         })?;
-        Ok(Station { bases, period, monitor, watched: monitor.at_rest(), recorder })
+        Ok(Station { bases, period, active_faults: ActiveFaults::NONE, recorder })
     }
 
     /// Builds the station over the press's three parts, and sets these up: see [`wired`].
@@ -188,41 +210,27 @@ pub fn wired<'a, I: SpiDevice, C: SpiDevice, D: SpiDevice>(
     Assembly::new(Ads8688::<I>::SPAN_UV, Ad5754::<D>::SPAN_UV)?.wired(inputs, counter, output, delay, memory)
 }
 
-/// Result of a period.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Outcome {
-    /// Report of the control period.
-    pub report: Report,
-    /// The monitor's alarm, in the period that gives it.
-    pub alarm: Option<Miss>,
-}
-
-/// Period, monitor and recorder.
+/// Period and recorder.
 #[derive(Debug)]
 pub struct Station<'a, A, P, O> {
     bases: Bases,
     period: Period<A, P, O, Press>,
-    monitor: Monitor,
-    watched: MonitorState,
+    /// Faults after the last period: a new one triggers the recorder.
+    active_faults: ActiveFaults,
     recorder: &'a mut Ring,
 }
 
 impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
-    /// One period, called once a tick: control, then the monitor, whose alarm is logged and triggers the recorder, then one row of the recording.
-    pub fn step(&mut self, request: &Request, log: &mut impl Log) -> Outcome {
+    /// One period, called once a tick, then one row of the recording. The monitor's alarm and every fault trigger the recorder.
+    pub fn step(&mut self, request: &Request, log: &mut impl Log) -> Report {
         let report = self.period.step(request, log);
-        if report.predicted.is_none() {
-            self.monitor.forget(&mut self.watched);
-        }
-        let innovation = report.predicted.map(|predicted| Innovation::of(&predicted, &report.measured.observed()));
-        let alarm = innovation.and_then(|innovation| self.monitor.watch(&mut self.watched, &innovation));
-        if let Some(miss) = &alarm {
-            log.alarm(miss);
+        if report.alarm.is_some() || report.active_faults.has_more_than(self.active_faults) {
             self.recorder.trigger();
         }
+        self.active_faults = report.active_faults;
         let Measured { position, spool, pressure_a, pressure_b, .. } = report.measured;
         self.recorder.record(&[Some(report.command), spool, pressure_a, pressure_b, Some(position)]);
-        Outcome { report, alarm }
+        report
     }
 
     /// What 1 per unit stands for, in SI units.
@@ -236,6 +244,11 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
         self.period.home(position)
     }
 
+    /// Changes what the monitor's alarm leads to: [`Period::answer_alarms`].
+    pub fn answer_alarms(&mut self, response: Option<Response>) {
+        self.period.answer_alarms(response);
+    }
+
     /// Triggers the recorder.
     pub fn trigger(&mut self) {
         self.recorder.trigger();
@@ -244,7 +257,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
     /// The recorder deletes all rows and waits for the next trigger; the monitor may give an alarm again.
     pub fn arm(&mut self) {
         self.recorder.arm();
-        self.watched = self.monitor.at_rest();
+        self.period.arm_monitor();
     }
 
     /// The recorder.

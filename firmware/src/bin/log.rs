@@ -1,7 +1,7 @@
 //! What the firmware logs on the target: the press's whole firmware runs over signals that are generated here; it logs by defmt.
 //!
-//! The rod stands at mid-stroke and follows; then its position drifts away from the model, and the monitor gives its alarm. Then the
-//! wire of a pressure sensor opens, and the encoder jumps. `cargo run --release -p firmware --bin log --features defmt --target
+//! The rod stands at mid-stroke and follows; then its position drifts away from the model, the monitor gives its alarm, and
+//! the command ramps to neutral; the rod drifts on. Then the wire of a pressure sensor opens, and the encoder jumps. `cargo run --release -p firmware --bin log --features defmt --target
 //! thumbv7em-none-eabihf | defmt-print -e <the image>` shows it.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
@@ -10,17 +10,20 @@ mod played {
     use core::cell::Cell;
     use core::convert::Infallible;
 
-    use firmware::app::press::COUNTS_PER_M;
+    use firmware::app::press::{self, COUNTS_PER_M};
     use firmware::app::{Assembly, Ring, StationError};
     use firmware::io::FromFn;
     use firmware::period::{Devices, Place, Request, Timing};
     use firmware::set_point::SetPoint;
     use firmware::supervision::{Command, Defmt};
+    use model_core::drive::Drive;
     use model_core::number::{Number, PerUnit};
 
     /// Microvolts of 2¹⁶ counts: 78.125 µV a count at the inputs, 305 µV at the output.
     const INPUT_UV: u32 = 5_120_000;
     const OUTPUT_UV: u32 = 20_000_000;
+    /// Command, in 10 V, of a count of the output.
+    const PER_COUNT: f64 = OUTPUT_UV as f64 * 1e-7 / 65_536.0;
     /// Counts of the inputs per volt.
     const PER_VOLT: i32 = 12_800;
 
@@ -55,21 +58,34 @@ mod played {
         #[expect(clippy::cast_possible_truncation, reason = "half a stroke is some thousand counts")]
         let middle = (0.5 * assembly.bases().stroke_m * COUNTS_PER_M) as i32;
         let now = Cell::new(Signals::at(0, middle));
+        // The valve is as the model says.
+        let drive = Drive::<PerUnit>::new::<64>(&press::machine(), press::values::TICK)?;
+        let neutral = PerUnit::saturated(f64::from(assembly.neutral()) * PER_COUNT);
+        let (output, spool) = (Cell::new(neutral), Cell::new(PerUnit::ZERO));
+        let mut valve = drive.valve().map(|valve| (valve, valve.at_rest::<64>(neutral)));
         let devices = Devices {
             inputs: FromFn::<_, INPUT_UV>(|channel| {
                 Ok::<i32, Infallible>(match channel {
+                    #[expect(clippy::cast_possible_truncation, reason = "some ten thousand counts")]
+                    1 => (f64::from(10 * PER_VOLT) * spool.get().to_f64() / press::SPOOL_AT_10_V) as i32,
                     2 => now.get().pressure_a,
                     3 => now.get().pressure_b,
                     _ => 0,
                 })
             }),
             position: FromFn::<_>(|| Ok::<i32, Infallible>(now.get().position)),
-            output: FromFn::<_, OUTPUT_UV>(|_| Ok::<(), Infallible>(())),
+            output: FromFn::<_, OUTPUT_UV>(|count| {
+                output.set(PerUnit::saturated(f64::from(count) * PER_COUNT));
+                Ok::<(), Infallible>(())
+            }),
         };
         let mut station = assembly.over(devices, Place::Known, memory)?;
         let set_point = SetPoint { position: PerUnit::saturated(0.5), velocity: PerUnit::ZERO };
         for period in 0..END {
             now.set(Signals::at(period, middle));
+            if let Some((valve, state)) = &mut valve {
+                spool.set(valve.step(state, output.get()).to);
+            }
             let command = (period == FOLLOW).then_some(Command::Follow);
             station.step(&Request { set_point, command, timing: Timing::Kept }, &mut Defmt);
         }

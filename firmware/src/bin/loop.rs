@@ -16,7 +16,10 @@ fn main() -> ! {
     use firmware::in_the_loop::lockstep::run;
     use panic_semihosting as _;
 
-    let mut delay = cortex_m::Peripherals::take().map(|peripherals| Delay::new(peripherals.SYST, CLOCK_HZ));
+    let mut delay = cortex_m::Peripherals::take().map(|mut peripherals| {
+        stack::guard(&mut peripherals.MPU);
+        Delay::new(peripherals.SYST, CLOCK_HZ)
+    });
     let memory = cortex_m::singleton!(: Option<Ring> = None);
     let (Some(delay), Some(memory), Some(mut console)) = (delay.as_mut(), memory, console()) else { exit(false) };
     // The program that started the emulator reads the console; if the console fails, nobody can be informed.

@@ -8,8 +8,8 @@ mod on_target {
     use core::hint::black_box;
 
     use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
-    use firmware::app::{Outcome, Wired};
-    use firmware::period::Request;
+    use firmware::app::Wired;
+    use firmware::period::{Report, Request};
     use panic_semihosting as _;
 
     /// A bus about which the compiler knows nothing, and which contains nothing.
@@ -29,15 +29,15 @@ mod on_target {
     struct Work {
         station: Wired<'static, Wire, Wire, Wire>,
         request: Request,
-        outcome: Option<Outcome>,
+        report: Option<Report>,
     }
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let mut work: Option<Work> = black_box(None);
         loop {
-            if let Some(Work { station, request, outcome }) = black_box(&mut work) {
-                *outcome = Some(station.step(request, &mut ()));
+            if let Some(Work { station, request, report }) = black_box(&mut work) {
+                *report = Some(station.step(request, &mut ()));
             }
         }
     }

@@ -1,4 +1,6 @@
-//! How much of the stack some work uses: the memory below the stack is painted, and checked afterwards.
+//! The stack: how much of it some work uses, and a guard at its end.
+//!
+//! To measure, the memory below the stack is painted, and checked afterwards.
 
 /// How much is painted, bytes; the boards have more.
 const PAINTED: usize = 64 * 1024;
@@ -26,4 +28,37 @@ pub fn used_by<T>(work: impl FnOnce() -> T) -> (T, usize) {
         }
     }
     (done, 0)
+}
+
+/// Size of the guard, bytes: a power of two, as `memory.x` aligns the end of the stack.
+const GUARD_BITS: u32 = 10;
+
+/// Makes the lowest kilobyte of the stack a place that nobody may touch: a stack that overflows is a fault, before it overwrites anything. Without
+/// a handler of its own the processor then stands still, and the watchdog restarts it.
+///
+/// The linker script has to put the stack at the bottom of the memory, from a whole kilobyte `_stack_end` on; a frame that is larger than the guard then ends where
+/// there is no memory.
+#[expect(
+    unsafe_code,
+    reason = "the registers of the memory protection are written, and the linker's symbol has an address only"
+)]
+pub fn guard(mpu: &mut cortex_m::peripheral::MPU) {
+    unsafe extern "C" {
+        static _stack_end: u32;
+    }
+    let lowest = (&raw const _stack_end).expose_provenance();
+    #[expect(clippy::cast_possible_truncation, reason = "an address has 32 bits here")]
+    let lowest = lowest as u32;
+    // Never executed, no access, of this size, on; elsewhere as without the protection, and off in the fault's own handler.
+    let attributes = 1 << 28 | (GUARD_BITS - 1) << 1 | 1;
+    // SAFETY: the region holds nothing but the end of the stack, and no other region is on.
+    unsafe {
+        mpu.ctrl.write(0);
+        mpu.rnr.write(0);
+        mpu.rbar.write(lowest);
+        mpu.rasr.write(attributes);
+        mpu.ctrl.write(0b101);
+    }
+    cortex_m::asm::dsb();
+    cortex_m::asm::isb();
 }

@@ -3,6 +3,7 @@
 use model_core::control::{FollowState, Follower, Observed};
 use model_core::number::PerUnit;
 use model_core::ports::ChamberState;
+use model_core::valve::ValveState;
 
 use super::Control;
 use super::reference::{Predicted, Reference};
@@ -15,6 +16,8 @@ pub struct Following<const DELAY: usize> {
     follower: Follower,
     state: FollowState,
     reference: Reference<DELAY>,
+    /// The valve's model under the command that the machine's valve gets; the reference's valve has the model's own command.
+    valve: Option<ValveState<PerUnit, DELAY>>,
 }
 
 impl<const DELAY: usize> Following<DELAY> {
@@ -24,7 +27,8 @@ impl<const DELAY: usize> Following<DELAY> {
         let model = reference.predicted();
         let position = model.position;
         let state = follower.at_rest(&model, &Observed { position, spool: None, pressures: None });
-        Self { follower, state, reference }
+        let valve = reference.valve().map(|valve| valve.at_rest(follower.neutral()));
+        Self { follower, state, reference, valve }
     }
 
     /// The reference model.
@@ -54,6 +58,7 @@ impl<const DELAY: usize> Control for Following<DELAY> {
             seen = self.reference.undistorted(&shown);
         }
         self.state = self.follower.at_rest(&self.reference.predicted(), &seen);
+        self.valve = self.reference.valve().map(|valve| valve.at_rest(self.follower.neutral()));
     }
 
     fn predicted(&self) -> Predicted {
@@ -73,6 +78,17 @@ impl<const DELAY: usize> Control for Following<DELAY> {
     fn accompany(&mut self, command: PerUnit, measured: &Measured) {
         self.inform(measured);
         self.reference.step(command);
+    }
+
+    fn applied(&mut self, command: PerUnit) {
+        if let (Some(valve), Some(state)) = (self.reference.valve(), &mut self.valve) {
+            valve.step(state, command);
+        }
+    }
+
+    fn spool_off(&self, measured: &Measured) -> Option<PerUnit> {
+        let spool = self.reference.undistorted(&measured.observed()).spool?;
+        Some(spool - self.valve.as_ref()?.spool())
     }
 }
 

@@ -27,4 +27,16 @@ pub trait Control {
 
     /// One period in which the machine gets `command`, in units of 10 V, from elsewhere: the model is stepped with it.
     fn accompany(&mut self, command: PerUnit, measured: &Measured);
+
+    /// The command that the valve really gets in this period, in units of 10 V, after every limit: the valve's model is stepped with it.
+    fn applied(&mut self, command: PerUnit) {
+        let _ = command;
+    }
+
+    /// Measured spool less that of the valve's model under the commands that were applied, as a share of full travel; `None` without a
+    /// sensor or such a model.
+    fn spool_off(&self, measured: &Measured) -> Option<PerUnit> {
+        let _ = measured;
+        None
+    }
 }

@@ -4,6 +4,7 @@ use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::machine::{Bases, Machine, MachineError, Parameter, Tick};
 use model_core::number::{Number, PerUnit};
 use model_core::ports::ChamberState;
+use model_core::valve::Valve;
 
 use model_core::control::Observed;
 pub use model_core::control::Predicted;
@@ -78,6 +79,12 @@ impl<const DELAY: usize> Reference<DELAY> {
     /// Without it, the oil stays at the temperature for which the machine's values hold.
     pub fn set_oil_temperature(&mut self, temperature: PerUnit) {
         self.state.oil_temperature = temperature;
+    }
+
+    /// The valve link, where the machine has one.
+    #[must_use]
+    pub fn valve(&self) -> Option<&Valve<PerUnit>> {
+        self.drive.valve()
     }
 
     /// What the model predicts now.

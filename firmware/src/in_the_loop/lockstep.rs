@@ -10,7 +10,7 @@
 //! | 4…7 | measured position, word | velocity wanted, word |
 //! | 8…11 | model's position, word | order u8, overrun u8 |
 //! | 12…15 | mode u8, alarm u8, fed watchdog u8, refused order u8 | |
-//! | 16, 17 | faults logged since the start u8, kind of the last u8 | |
+//! | 16…18 | faults logged since the start u8, kind of the last u8, oil to be cut off u8 | |
 //!
 //! A word is a per-unit signal's 32 bits. An alarm is the number of its signal, from 1. The recorder is streamed out when the host ends the run.
 
@@ -19,9 +19,9 @@ use embedded_io::{ErrorType, Read, Write};
 use model_core::number::PerUnit;
 
 use super::remote::{MOST_BYTES, RemoteError, SerialLine};
-use crate::app::{Outcome, Ring, StationError, press, wired};
+use crate::app::{Ring, StationError, press, wired};
 use crate::monitor::Miss;
-use crate::period::{Answer, Request, Timing, Watchdog};
+use crate::period::{Answer, Report, Request, Timing, Watchdog};
 use crate::recorder::frame::{FrameError, FrameWriter};
 use crate::recorder::{Progress, Stream};
 use crate::set_point::SetPoint;
@@ -62,11 +62,24 @@ pub enum Order {
     End = 5,
     /// Trigger the recorder.
     Record = 6,
+    /// From now on an alarm of the monitor is told and leads to nothing.
+    IgnoreAlarms = 7,
+    /// From now on an alarm of the monitor stops the rod, as after the start.
+    HeedAlarms = 8,
 }
 
 impl Order {
-    const ALL: [Order; 7] =
-        [Order::None, Order::Follow, Order::Stop, Order::Acknowledge, Order::Home, Order::End, Order::Record];
+    const ALL: [Order; 9] = [
+        Order::None,
+        Order::Follow,
+        Order::Stop,
+        Order::Acknowledge,
+        Order::Home,
+        Order::End,
+        Order::Record,
+        Order::IgnoreAlarms,
+        Order::HeedAlarms,
+    ];
 
     fn of(byte: u8) -> Self {
         Self::ALL.into_iter().find(|order| *order as u8 == byte).unwrap_or(Order::None)
@@ -77,7 +90,7 @@ impl Order {
             Order::Follow => Some(Command::Follow),
             Order::Stop => Some(Command::Stop),
             Order::Acknowledge => Some(Command::Acknowledge),
-            Order::None | Order::Home | Order::End | Order::Record => None,
+            Order::None | Order::Home | Order::End | Order::Record | Order::IgnoreAlarms | Order::HeedAlarms => None,
         }
     }
 }
@@ -119,10 +132,12 @@ pub fn run<L: Read + Write>(
             Order::End => break,
             Order::Home => _ = station.home(request.set_point.position),
             Order::Record => station.trigger(),
+            Order::IgnoreAlarms => station.answer_alarms(None),
+            Order::HeedAlarms => station.answer_alarms(press::ALARM),
             Order::None | Order::Follow | Order::Stop | Order::Acknowledge => {}
         }
-        let outcome = station.step(&request, &mut heard);
-        report = written(&outcome, station.predicted().position, &heard);
+        let now = station.step(&request, &mut heard);
+        report = written(&now, station.predicted().position, &heard);
     }
     streamed(station.recorder(), &line)
 }
@@ -152,7 +167,7 @@ impl<L: Log> Log for Heard<'_, L> {
 }
 
 /// Bytes of a report.
-pub const REPORT: usize = 18;
+pub const REPORT: usize = 19;
 /// Bytes of a request.
 pub const REQUEST: usize = 10;
 
@@ -167,16 +182,15 @@ fn read(bytes: [u8; REQUEST]) -> (Order, Request) {
 }
 
 /// The report of a period.
-fn written<L>(outcome: &Outcome, model: PerUnit, heard: &Heard<'_, L>) -> [u8; REPORT] {
-    let Outcome { report, alarm } = outcome;
+fn written<L>(report: &Report, model: PerUnit, heard: &Heard<'_, L>) -> [u8; REPORT] {
     let [c0, c1, c2, c3] = report.command.to_bits().to_le_bytes();
     let [p0, p1, p2, p3] = report.measured.position.to_bits().to_le_bytes();
     let [m0, m1, m2, m3] = model.to_bits().to_le_bytes();
-    let alarm = alarm.map_or(0, |miss| 1 + miss.signal as u8);
+    let alarm = report.alarm.map_or(0, |miss| 1 + miss.signal as u8);
     let fed = u8::from(report.watchdog == Watchdog::Feed);
     let refused = u8::from(report.answer.is_some_and(|answer| answer != Answer::Taken));
-    let mode = report.mode as u8;
-    [c0, c1, c2, c3, p0, p1, p2, p3, m0, m1, m2, m3, mode, alarm, fed, refused, heard.faults, heard.last]
+    let (mode, shut_off) = (report.mode as u8, u8::from(report.shut_off));
+    [c0, c1, c2, c3, p0, p1, p2, p3, m0, m1, m2, m3, mode, alarm, fed, refused, heard.faults, heard.last, shut_off]
 }
 
 /// Streams a full recorder out.

@@ -85,6 +85,14 @@ impl Innovation {
         let b = seen.pressures.map(|pressures| pressures.b - predicted.pressure_b);
         Self { values: [spool, a, b, Some(seen.position - predicted.position)] }
     }
+
+    /// The same with another innovation of the spool: measured less the valve's model under the command that the valve got. A process loop that
+    /// opens the valve further than the reference model's is then no fault of the valve.
+    #[must_use]
+    pub fn with_spool(self, off: PerUnit) -> Self {
+        let [_, a, b, position] = self.values;
+        Self { values: [Some(off), a, b, position] }
+    }
 }
 
 /// Coefficients: configuration.
@@ -110,6 +118,11 @@ pub struct MonitorState {
     /// Mean square of half the innovation over its spread: halved, so that a square of 32 fits.
     quarters: [PerUnit; SIGNALS],
     alarmed: bool,
+}
+
+impl MonitorState {
+    /// Nothing has been seen, and no alarm has been given.
+    pub const AT_REST: Self = Self { quarters: [PerUnit::from_bits(1 << 26); SIGNALS], alarmed: false };
 }
 
 /// A signal beyond its limit.
@@ -185,7 +198,7 @@ impl Monitor {
     /// Nothing has been seen, and no alarm has been given.
     #[must_use]
     pub fn at_rest(&self) -> MonitorState {
-        MonitorState { quarters: [PerUnit::ONE.halved().halved(); SIGNALS], alarmed: false }
+        MonitorState::AT_REST
     }
 
     /// Forgets what has been seen; an alarm that was given stays given.

@@ -149,17 +149,24 @@ impl Travel {
         state.missed = state.missed.saturating_add(1);
     }
 
+    /// Whether the rod can have reached this count since the last one.
+    #[must_use]
+    pub fn admits(&self, state: &TravelState, count: i32) -> bool {
+        let most = u64::from(self.most) * (u64::from(state.missed) + 1);
+        u64::from(count.wrapping_sub(state.count).unsigned_abs()) <= most
+    }
+
     /// Takes a period's count, and tracks it whatever its value is.
     ///
     /// # Errors
     /// The count changed by more than the rod can travel since the last one.
     pub fn follow(&self, state: &mut TravelState, count: i32) -> Result<(), Jump> {
         let change = count.wrapping_sub(state.count);
-        let most = u64::from(self.most) * (u64::from(state.missed) + 1);
+        let admitted = self.admits(state, count);
         state.travelled = (state.travelled + i64::from(change)).clamp(-HELD, HELD);
         state.count = count;
         state.missed = 0;
-        if u64::from(change.unsigned_abs()) <= most { Ok(()) } else { Err(Jump { counts: change }) }
+        if admitted { Ok(()) } else { Err(Jump { counts: change }) }
     }
 }
 

@@ -11,7 +11,10 @@
 //! A step within limits of velocity and acceleration is a smooth leg that is just long enough: its velocity is at most 1.875/T and its
 //! acceleration at most 10/√3/T², times its way. Everything is checked when a [`Course`] is made of the legs; a period's set
 //! point then takes a few multiplications, and is exact to 1e-8 of the stroke.
+//!
+//! Set points that come from elsewhere are checked from tick to tick ([`Envelope`]).
 
+mod envelope;
 mod refused;
 mod stretch;
 
@@ -21,6 +24,7 @@ use model_core::number::{Number, PerUnit};
 
 use stretch::{Shape, Stretch};
 
+pub use envelope::{Envelope, Followed, Refusal};
 pub use model_core::control::SetPoint;
 pub use refused::SetPointError;
 
@@ -32,21 +36,21 @@ pub struct Bounds {
     pub from_m: f64,
     /// Largest position, m.
     pub to_m: f64,
-    /// Largest velocity, both signs, m/s; a jump has none.
+    /// Largest velocity, both signs, m/s; a jump in a course has none.
     pub velocity_m_per_s: f64,
-    /// Largest acceleration of a smooth leg, m/s².
+    /// Largest acceleration, both signs, m/s²: of a smooth leg, and from tick to tick of what a period is given.
     pub acceleration_m_per_s2: f64,
 }
 
 /// One leg as an engineer states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Leg {
-    /// To a position at once.
+    /// To a position at once. A period refuses it: no bound of acceleration permits it.
     Jump {
         /// Target, m.
         to_m: f64,
     },
-    /// To a position at constant velocity.
+    /// To a position at constant velocity. A period refuses it where its velocity, within a tick, is more than the acceleration permits.
     Line {
         /// Target, m.
         to_m: f64,
@@ -70,35 +74,6 @@ pub enum Leg {
         /// For which time, s.
         duration_s: f64,
     },
-}
-
-/// Bounds per unit, for set points that come from elsewhere, period by period.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Envelope {
-    from: PerUnit,
-    to: PerUnit,
-    velocity: PerUnit,
-}
-
-impl Envelope {
-    /// The envelope of `bounds`.
-    ///
-    /// # Errors
-    /// The bounds are not valid.
-    pub fn new(bounds: &Bounds, bases: &Bases) -> Result<Self, SetPointError> {
-        bounds.check(bases)?;
-        Ok(Self {
-            from: PerUnit::saturated(bounds.from_m / bases.stroke_m),
-            to: PerUnit::saturated(bounds.to_m / bases.stroke_m),
-            velocity: PerUnit::saturated(bounds.velocity_m_per_s / bases.velocity_m_per_s),
-        })
-    }
-
-    /// Whether this set point is permitted.
-    #[must_use]
-    pub fn admits(&self, set_point: SetPoint) -> bool {
-        (self.from..=self.to).contains(&set_point.position) && set_point.velocity.magnitude() <= self.velocity
-    }
 }
 
 /// Longest leg, s.
@@ -254,7 +229,7 @@ fn ticks(leg: usize, duration_s: f64, tick_s: f64) -> Result<u32, SetPointError>
 mod tests {
     use super::*;
 
-    fn bases() -> Bases {
+    pub(super) fn bases() -> Bases {
         Bases {
             pressure_pa: 7e6,
             velocity_m_per_s: 0.2,
@@ -268,7 +243,8 @@ mod tests {
         }
     }
 
-    const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.05, acceleration_m_per_s2: 0.5 };
+    pub(super) const BOUNDS: Bounds =
+        Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.05, acceleration_m_per_s2: 0.5 };
 
     fn course(legs: &[Leg]) -> Result<Course<4>, SetPointError> {
         Course::new(&bases(), &BOUNDS, 0.1, legs)
@@ -324,19 +300,6 @@ mod tests {
         );
         let last = (0..5000).map(|_| course.step(&mut state)).last().unwrap();
         assert!((last.position.to_f64() * 0.3 - 0.2).abs() < 1e-8 && last.velocity == PerUnit::ZERO);
-    }
-
-    #[test]
-    fn a_set_point_from_elsewhere_is_admitted_within_the_bounds_only() {
-        let envelope = Envelope::new(&BOUNDS, &bases()).unwrap();
-        let admits = |position_m: f64, velocity_m_per_s: f64| {
-            let position = PerUnit::saturated(position_m / 0.3);
-            envelope.admits(SetPoint { position, velocity: PerUnit::saturated(velocity_m_per_s / 0.2) })
-        };
-        assert!(admits(0.15, -0.049) && admits(0.0101, 0.0));
-        assert!(!admits(0.0099, 0.0) && !admits(0.291, 0.0) && !admits(0.15, -0.051) && !admits(-1e9, 0.0));
-        let extreme = SetPoint { position: PerUnit::saturated(0.5), velocity: PerUnit::from_bits(i32::MIN) };
-        assert!(!envelope.admits(extreme));
     }
 
     #[test]

@@ -56,6 +56,14 @@ pub enum SetPointError {
         /// Largest permitted acceleration.
         most_m_per_s2: f64,
     },
+    /// The resolution of set points is not a number, negative, or more than the stroke.
+    #[error("set points in steps of {step_m} m, expected 0 to {most_m} m")]
+    Resolution {
+        /// The resolution that was stated.
+        step_m: f64,
+        /// The largest possible.
+        most_m: f64,
+    },
     /// Bounds that are not valid: not numbers, or in the wrong order.
     #[error("bounds {0:?}, expected a stretch of the stroke, and a velocity and an acceleration above 0")]
     Bounds(Bounds),

@@ -9,6 +9,7 @@ use model_core::number::PerUnit;
 
 use crate::io::Cause;
 use crate::measured::AnalogSignal;
+use crate::monitor::MonitoredSignal;
 
 /// A device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -80,6 +81,48 @@ pub enum Fault {
         /// To here.
         to: PerUnit,
     },
+    /// The set point accelerates more than is permitted.
+    SetPointSteep {
+        /// Its position, as a share of the stroke.
+        position: PerUnit,
+        /// Its velocity, relative to its base.
+        velocity: PerUnit,
+    },
+    /// The rod is farther from its set point than is permitted, for longer than is permitted.
+    FollowingError {
+        /// Measured less wanted position, as a share of the stroke.
+        off: PerUnit,
+    },
+    /// The rod moves faster or slower than its set point by more than is permitted, for longer than is permitted.
+    VelocityError {
+        /// Measured less wanted velocity, in strokes per period.
+        off: PerUnit,
+    },
+    /// The spool is not where the valve's model has it under the same command, for longer than is permitted: it is jammed, its amplifier or
+    /// its sensor fails, or the command's wires are exchanged.
+    SpoolDeviates {
+        /// Measured less the model's spool, as a share of full travel.
+        off: PerUnit,
+    },
+    /// The rod left the range that it may be in.
+    PositionOutside {
+        /// Its position, as a share of the stroke.
+        position: PerUnit,
+    },
+    /// The rod moves although the valve has been neutral for long enough to close.
+    MovesAtNeutral {
+        /// From here, as a share of the stroke.
+        from: PerUnit,
+        /// To here.
+        to: PerUnit,
+    },
+    /// The model no longer predicts what the sensors show: the monitor's alarm, where it is not ignored.
+    Alarm {
+        /// The signal that it is for.
+        signal: MonitoredSignal,
+        /// What it is to lead to.
+        response: Response,
+    },
     /// The valve does not get the voltage that is put out.
     OutputAway {
         /// Put out, in units of 10 V.
@@ -106,7 +149,8 @@ impl Fault {
     #[must_use]
     pub const fn response(&self) -> Response {
         match self {
-            Fault::SetPointOutside { .. } | Fault::SetPointJump { .. } => Response::Hold,
+            Fault::SetPointOutside { .. } | Fault::SetPointJump { .. } | Fault::SetPointSteep { .. } => Response::Hold,
+            Fault::Alarm { response, .. } => *response,
             Fault::OutOfRange { .. }
             | Fault::OpenWire { .. }
             | Fault::Stuck { .. }
@@ -115,6 +159,11 @@ impl Fault {
             Fault::PositionStuck { .. }
             | Fault::EncoderJump { .. }
             | Fault::Silent { device: Device::Position | Device::Output, .. }
+            | Fault::FollowingError { .. }
+            | Fault::VelocityError { .. }
+            | Fault::SpoolDeviates { .. }
+            | Fault::PositionOutside { .. }
+            | Fault::MovesAtNeutral { .. }
             | Fault::OutputAway { .. } => Response::Neutral,
         }
     }
@@ -131,8 +180,34 @@ impl Fault {
             | Fault::EncoderJump { .. }
             | Fault::SetPointOutside { .. }
             | Fault::SetPointJump { .. }
+            | Fault::SetPointSteep { .. }
+            | Fault::FollowingError { .. }
+            | Fault::VelocityError { .. }
+            | Fault::SpoolDeviates { .. }
+            | Fault::PositionOutside { .. }
+            | Fault::MovesAtNeutral { .. }
+            | Fault::Alarm { .. }
             | Fault::OutputAway { .. } => false,
         }
+    }
+
+    /// Whether the rod may move although the valve is commanded to neutral: then an independent valve must cut off the oil.
+    ///
+    /// The firmware cannot close a jammed spool, and cannot know whether one that deviates will close. It takes the valve's current and
+    /// signals.
+    #[must_use]
+    pub const fn needs_shut_off(&self) -> bool {
+        matches!(
+            self,
+            Fault::FollowingError { .. }
+                | Fault::VelocityError { .. }
+                | Fault::SpoolDeviates { .. }
+                | Fault::PositionOutside { .. }
+                | Fault::PositionStuck { .. }
+                | Fault::MovesAtNeutral { .. }
+                | Fault::OutputAway { .. }
+                | Fault::Silent { device: Device::Output, .. }
+        )
     }
 
     /// Whether the encoder's count is no longer known to be the rod's position.
@@ -161,6 +236,13 @@ impl Fault {
             Fault::SetPointOutside { .. } => 21,
             Fault::SetPointJump { .. } => 22,
             Fault::OutputAway { .. } => 23,
+            Fault::SetPointSteep { .. } => 24,
+            Fault::FollowingError { .. } => 25,
+            Fault::VelocityError { .. } => 26,
+            Fault::SpoolDeviates { .. } => 27,
+            Fault::PositionOutside { .. } => 28,
+            Fault::MovesAtNeutral { .. } => 29,
+            Fault::Alarm { .. } => 30,
         }
     }
 }
@@ -168,31 +250,49 @@ impl Fault {
 /// Kinds of fault that have not been acknowledged: each is logged when it is entered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ActiveFaults(u32);
+pub struct ActiveFaults {
+    /// A bit for each kind.
+    kinds: u32,
+    /// Whether one of them needs the oil to be cut off.
+    shut_off: bool,
+}
 
 impl ActiveFaults {
     /// None.
-    pub const NONE: Self = Self(0);
+    pub const NONE: Self = Self { kinds: 0, shut_off: false };
 
     /// Enters a fault, and returns whether it is the first of its kind.
     #[must_use]
     pub const fn enter(&mut self, fault: &Fault) -> bool {
         let bit = 1 << fault.kind();
-        let first = self.0 & bit == 0;
-        self.0 |= bit;
+        let first = self.kinds & bit == 0;
+        self.kinds |= bit;
+        self.shut_off |= fault.needs_shut_off();
         first
     }
 
     /// Whether a fault of this kind is active.
     #[must_use]
     pub const fn has(self, fault: &Fault) -> bool {
-        self.0 & 1 << fault.kind() != 0
+        self.kinds & 1 << fault.kind() != 0
+    }
+
+    /// Whether a kind of fault is active that is not in `others`.
+    #[must_use]
+    pub const fn has_more_than(self, others: Self) -> bool {
+        self.kinds & !others.kinds != 0
     }
 
     /// Whether no fault is active.
     #[must_use]
     pub const fn is_empty(self) -> bool {
-        self.0 == 0
+        self.kinds == 0
+    }
+
+    /// Whether the oil must be cut off by an independent valve: [`Fault::needs_shut_off`] of any that is active.
+    #[must_use]
+    pub const fn need_shut_off(self) -> bool {
+        self.shut_off
     }
 }
 
@@ -215,6 +315,13 @@ mod tests {
             Fault::SetPointOutside { position: zero, velocity: zero },
             Fault::SetPointJump { from: zero, to: zero },
             Fault::OutputAway { command: zero, found: zero },
+            Fault::SetPointSteep { position: zero, velocity: zero },
+            Fault::FollowingError { off: zero },
+            Fault::VelocityError { off: zero },
+            Fault::SpoolDeviates { off: zero },
+            Fault::PositionOutside { position: zero },
+            Fault::MovesAtNeutral { from: zero, to: zero },
+            Fault::Alarm { signal: MonitoredSignal::Spool, response: Response::RampDown },
         ]);
         for signal in AnalogSignal::ALL {
             all.push(Fault::OutOfRange { signal, count: 1 });

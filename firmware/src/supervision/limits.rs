@@ -5,6 +5,7 @@
 use model_core::machine::{Bases, Machine, Parameter};
 use model_core::number::{Number, PerUnit};
 
+use super::deviation::{Deviation, DeviationLimits};
 use super::stuck_sensor::Patience;
 use crate::measured::AnalogSignal;
 use crate::set_point::{Bounds, Envelope, SetPointError};
@@ -27,8 +28,10 @@ pub struct Allowed {
     pub settling_s: f64,
     /// Permitted set points.
     pub bounds: Bounds,
-    /// Greatest jump of a set point in a period, m.
+    /// How far the first set point may be from the rod when following begins or goes on, m. From then on the bounds hold from tick to tick.
     pub jump_m: f64,
+    /// Resolution of set points that come from elsewhere, m; 0 where they are as fine as the number format.
+    pub set_point_step_m: f64,
     /// Greatest command, both signs, V.
     pub command_v: f64,
     /// Greatest slope of the command while the rod is controlled, V/s.
@@ -43,6 +46,8 @@ pub struct Allowed {
     pub still_pressure: Option<Delay>,
     /// How long the voltage at the valve may differ by more than so many V from the output, where it is read back.
     pub read_back: Option<Delay>,
+    /// How far the machine may deviate from what is commanded and expected.
+    pub deviation: Deviation,
 }
 
 /// Limits of a rig in the period: per unit, times in periods.
@@ -54,7 +59,7 @@ pub struct Limits {
     pub settling: u16,
     /// Permitted set points.
     pub envelope: Envelope,
-    /// Greatest jump of a set point in a period, as a share of the stroke.
+    /// Greatest distance of the first set point from the rod, as a share of the stroke.
     pub most_jump: PerUnit,
     /// The command, in units of 10 V, at which the valve passes nothing: the middle of its dead zone, −offset/gain where that is symmetric.
     pub neutral: PerUnit,
@@ -70,6 +75,8 @@ pub struct Limits {
     pub still: [Option<Patience>; AnalogSignal::COUNT],
     /// How far the voltage at the valve may differ from the output, in units of 10 V, and for how long by more; where it is read back.
     pub read_back: Option<Patience>,
+    /// How far the machine may deviate from what is commanded and expected.
+    pub deviation: DeviationLimits,
 }
 
 /// Why limits are not valid.
@@ -95,6 +102,14 @@ pub enum LimitsError {
         /// Its value.
         value: PerUnit,
     },
+    /// The range of the position is empty.
+    #[error("range {from:?} to {to:?}; expected a least position below the largest")]
+    Range {
+        /// Least position.
+        from: PerUnit,
+        /// Largest position.
+        to: PerUnit,
+    },
     /// The neutral command is beyond the greatest one.
     #[error("neutral = {neutral:?}; expected within {most:?}, both signs")]
     Neutral {
@@ -106,7 +121,7 @@ pub enum LimitsError {
 }
 
 /// `value` as a signal, relative to this base.
-fn signal(name: &'static str, value: f64, base: f64) -> Result<PerUnit, LimitsError> {
+pub(super) fn signal(name: &'static str, value: f64, base: f64) -> Result<PerUnit, LimitsError> {
     PerUnit::signal(value / base).ok_or(LimitsError::DoesNotFit { name, value })
 }
 
@@ -122,7 +137,12 @@ fn periods(name: &'static str, value: f64, tick_s: f64) -> Result<u16, LimitsErr
     Ok(periods)
 }
 
-fn patience(name: &'static str, delay: Option<Delay>, base: f64, tick_s: f64) -> Result<Option<Patience>, LimitsError> {
+pub(super) fn patience(
+    name: &'static str,
+    delay: Option<Delay>,
+    base: f64,
+    tick_s: f64,
+) -> Result<Option<Patience>, LimitsError> {
     let Some(Delay { by, for_s }) = delay else { return Ok(None) };
     Ok(Some(Patience { travel: signal(name, by, base)?, periods: periods(name, for_s, tick_s)? }))
 }
@@ -141,7 +161,7 @@ impl Limits {
         let limits = Self {
             attempts: allowed.attempts,
             settling: periods("settling_s", allowed.settling_s, tick_s)?,
-            envelope: Envelope::new(&allowed.bounds, bases)?,
+            envelope: Envelope::new(&allowed.bounds, bases, allowed.set_point_step_m)?,
             most_jump: signal("jump_m", allowed.jump_m, stroke_m)?,
             neutral: signal("neutral_v", neutral_v, command_v)?,
             most_command: signal("command_v", allowed.command_v, command_v)?,
@@ -150,6 +170,7 @@ impl Limits {
             still_position: patience("still_position", allowed.still_position, stroke_m, tick_s)?,
             still: [None, still_spool, still_pressure, still_pressure, None],
             read_back: patience("read_back", allowed.read_back, command_v, tick_s)?,
+            deviation: DeviationLimits::new(&allowed.deviation, bases)?,
         };
         limits.check()?;
         Ok(limits)
@@ -169,6 +190,7 @@ impl Limits {
         if let Some(&(name, value)) = positive.iter().find(|(_, value)| *value <= PerUnit::ZERO) {
             return Err(LimitsError::NotPositive { name, value });
         }
+        self.deviation.check()?;
         let (neutral, most) = (self.neutral, self.most_command);
         if neutral.magnitude() > most { Err(LimitsError::Neutral { neutral, most }) } else { Ok(()) }
     }
@@ -188,6 +210,7 @@ mod tests {
 
     use super::*;
     use crate::mock::press;
+    use crate::supervision::deviation::Reach;
 
     fn allowed() -> Allowed {
         Allowed {
@@ -195,6 +218,7 @@ mod tests {
             settling_s: 0.1,
             bounds: Bounds { from_m: 0.015, to_m: 0.285, velocity_m_per_s: 0.1, acceleration_m_per_s2: 1.0 },
             jump_m: 0.03,
+            set_point_step_m: 0.0,
             command_v: 9.5,
             slew_v_per_s: 400.0,
             ramp_v_per_s: 20.0,
@@ -202,6 +226,7 @@ mod tests {
             still_spool: None,
             still_pressure: Some(Delay { by: 7e5, for_s: 0.1 }),
             read_back: Some(Delay { by: 0.1, for_s: 0.003 }),
+            deviation: Deviation::UNWATCHED,
         }
     }
 
@@ -248,6 +273,12 @@ mod tests {
         assert!(matches!(refused(steep), LimitsError::NotPositive { name: "slew", .. }));
         let reversed = Allowed { bounds: Bounds { from_m: 0.29, ..allowed().bounds }, ..allowed() };
         assert!(matches!(refused(reversed), LimitsError::SetPoint(SetPointError::Bounds(_))));
+        let reach = Reach { from_m: 0.2, to_m: 0.1 };
+        let empty = Deviation { range: Some(reach), ..Deviation::UNWATCHED };
+        assert!(matches!(refused(Allowed { deviation: empty, ..allowed() }), LimitsError::Range { .. }));
+        let none = Deviation { spool: Some(Delay { by: 0.0, for_s: 0.1 }), ..Deviation::UNWATCHED };
+        let named = LimitsError::NotPositive { name: "spool's deviation", value: PerUnit::ZERO };
+        assert_eq!(refused(Allowed { deviation: none, ..allowed() }), named);
         let narrow = Allowed { command_v: 0.5, ..allowed() };
         assert!(matches!(refused(narrow), LimitsError::Neutral { .. }));
     }

@@ -75,6 +75,10 @@ impl<'a, L: Log> Findings<'a, L> {
         self.lost |= fault.loses_place();
     }
 
+    pub(crate) fn tell_alarm(&mut self, miss: &Miss) {
+        self.log.alarm(miss);
+    }
+
     pub(crate) fn tell_mode(&mut self, from: Mode, to: Mode) {
         if from != to {
             self.log.mode(from, to);

@@ -1,10 +1,12 @@
 //! Supervision: what can go wrong, what is allowed, and what the firmware then does with the valve.
 //!
 //! ```text
-//! counts ─ sense ─ Fault ─ Response ─ Mode ─ what the valve gets
-//!            ▲ Limits, Patience          └ Log: what is told of it
+//! counts ─ sense ─ Measured ─ deviating ─ Fault ─ Response ─ Mode ─ what the valve gets
+//!            ▲ Limits, Patience ▲                      └ Log: what is told of it
 //! ```
 
+pub(crate) mod deviating;
+mod deviation;
 mod fault;
 mod limits;
 mod log;
@@ -12,6 +14,7 @@ mod mode;
 pub(crate) mod sense;
 mod stuck_sensor;
 
+pub use deviation::{Deviation, DeviationLimits, OFF, Reach};
 pub use fault::{ActiveFaults, Device, Fault, Response};
 pub use limits::{Allowed, Delay, Limits, LimitsError};
 #[cfg(feature = "defmt")]

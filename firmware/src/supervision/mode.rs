@@ -13,7 +13,7 @@ pub enum Mode {
     Starting,
     /// The rod follows the set point.
     Following,
-    /// The rod is held at the last set point.
+    /// The last good set point comes to rest, and the rod is held there.
     Holding,
     /// The command moves to neutral at a stated slope.
     RampingDown,
@@ -53,8 +53,6 @@ pub enum Action {
     Nothing,
     /// Model and loops start where the machine is.
     Synchronise,
-    /// The last good set point is kept, at rest.
-    Freeze,
     /// The active faults are forgotten.
     Forget,
 }
@@ -85,7 +83,7 @@ impl Mode {
     #[must_use]
     #[expect(clippy::match_same_arms, reason = "the table is read mode by mode")]
     pub const fn next(self, event: Event) -> Transition {
-        use Action::{Forget, Freeze, Nothing, Synchronise};
+        use Action::{Forget, Nothing, Synchronise};
         use Command::{Acknowledge, Follow, Stop};
         use Event::{Arrived, Commanded, Faulty};
         use Mode::{Following, Holding, Neutral, RampingDown, Starting};
@@ -95,7 +93,7 @@ impl Mode {
             (Starting, Commanded(Follow)) => (Following, Synchronise),
             (Starting, Commanded(Stop | Acknowledge) | Arrived) => (Starting, Nothing),
 
-            (Following, Faulty(Response::Hold)) => (Holding, Freeze),
+            (Following, Faulty(Response::Hold)) => (Holding, Nothing),
             (Following, Faulty(Response::RampDown) | Commanded(Stop)) => (RampingDown, Nothing),
             (Following, Faulty(Response::Neutral)) => (Neutral, Nothing),
             (Following, Commanded(Follow | Acknowledge) | Arrived) => (Following, Nothing),

@@ -21,6 +21,17 @@ pub(crate) fn ask<T, E>(attempts: u8, mut question: impl FnMut() -> Result<T, E>
     question()
 }
 
+/// A count; one that the rod cannot have reached since the last period is read again, because one frame may be corrupted.
+fn counted<P: PositionIn>(attempts: u8, device: &mut P, admits: impl Fn(i32) -> bool) -> Result<i32, P::Error> {
+    for _ in 1..attempts {
+        match device.count() {
+            Ok(count) if admits(count) => return Ok(count),
+            Ok(_) | Err(_) => {}
+        }
+    }
+    device.count()
+}
+
 /// What the sensors' checks remember from period to period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Senses {
@@ -67,6 +78,11 @@ impl Senses {
             Self { travel: self.travel, still_position: Stillness::NEW, still: [Stillness::NEW; AnalogSignal::COUNT] };
     }
 
+    /// Whether the encoder has not moved by one count while the model, which is here now, moved so far.
+    pub(crate) fn position_stands(&self, model: PerUnit, travel: PerUnit) -> bool {
+        self.still_position.moved(model) > travel
+    }
+
     /// Position in this period, as a share of the stroke.
     pub(crate) fn position<P: PositionIn, L: Log>(
         &mut self,
@@ -76,7 +92,7 @@ impl Senses {
         expected: &Expected,
         found: &mut Findings<'_, L>,
     ) -> PerUnit {
-        match ask(limits.attempts, || device.count()) {
+        match counted(limits.attempts, device, |count| travel.admits(&self.travel, count)) {
             Ok(count) => {
                 if let Err(jump) = travel.follow(&mut self.travel, count) {
                     found.note(&Fault::EncoderJump { counts: jump.counts });

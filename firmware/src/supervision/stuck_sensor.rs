@@ -28,6 +28,12 @@ impl Stillness {
     /// Nothing seen yet.
     pub const NEW: Self = Self { since: None, periods: 0 };
 
+    /// How far the model, which is here now, has moved since the count last changed.
+    #[must_use]
+    pub fn moved(&self, model: PerUnit) -> PerUnit {
+        self.since.map_or(PerUnit::ZERO, |(_, then)| (model - then).magnitude())
+    }
+
     /// Takes a period's count and model value; returns whether the sensor is stuck.
     pub fn step(&mut self, patience: &Patience, count: i64, model: PerUnit) -> bool {
         match self.since {

@@ -5,13 +5,13 @@ use std::rc::Rc;
 
 use firmware::control::Predicted;
 use firmware::period::{Period, Place, Request, Timing, Watchdog};
-use firmware::set_point::SetPoint;
-use firmware::supervision::{Command, Fault, Limits, Mode, Response};
+use firmware::set_point::{Bounds, Envelope, SetPoint};
+use firmware::supervision::{Command, Delay, Deviation, DeviationLimits, Fault, Limits, Mode, Response};
 use model_core::number::{Number, PerUnit};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use crate::bench::{STROKE, Told, Wanting, World, devices, limits, percent, rig};
+use crate::bench::{STROKE, Told, Wanting, World, bases, deviation, devices, limits, percent, rig};
 
 /// Any values at all, in one period.
 #[derive(Clone, Debug)]
@@ -64,7 +64,25 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, rng_seed: RngSeed::Fixed(20_200), ..ProptestConfig::default() })]
     #[test]
     fn whatever_comes_the_output_keeps_its_limits_and_faults_their_states(steps in prop::collection::vec(anything(), 1..250)) {
-        let limits = Limits { settling: 1, read_back: None, ..limits() };
+        let bases = bases();
+        // Wide, so that most set points are followed.
+        let bounds =
+            Bounds { from_m: 0.0, to_m: bases.stroke_m, velocity_m_per_s: 100.0, acceleration_m_per_s2: 1e5 };
+        let near = |by, for_s| Some(Delay { by, for_s });
+        let deviation = Deviation {
+            position: near(0.02 * bases.stroke_m, 3e-3),
+            velocity: near(0.5, 5e-3),
+            spool: near(0.9, 2e-3),
+            rest: near(2e-3, 5e-3),
+            ..deviation()
+        };
+        let limits = Limits {
+            settling: 1,
+            read_back: None,
+            envelope: Envelope::new(&bounds, &bases, 0.0).unwrap(),
+            deviation: DeviationLimits::new(&deviation, &bases).unwrap(),
+            ..limits()
+        };
         let world = Rc::new(RefCell::new(World { count: STROKE / 2, ..World::new() }));
         let mut period = Period::begin(devices(&world), rig(limits), Wanting(world.clone()), Place::Known).unwrap();
         let [lowest, highest] = rig(limits).calibration.output.limits();
@@ -82,6 +100,7 @@ proptest! {
                     inputs_silent,
                     output_silent,
                     predicted: Predicted { spool, pressure_a, pressure_b, velocity: PerUnit::ZERO, position },
+                    spool_off: Some(spool),
                     wanted: PerUnit::from_bits(step.wanted),
                     ..*world
                 };

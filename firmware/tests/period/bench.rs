@@ -10,7 +10,7 @@ use firmware::monitor::Miss;
 use firmware::period::{Devices, Period, PeriodState, Place, Report, Request, Rig, Timing};
 use firmware::scaling::{Actuator, Band, Calibration, Encoder, Point, Rising, Sensor, Travel};
 use firmware::set_point::{Bounds, Envelope, SetPoint};
-use firmware::supervision::{Command, Fault, Limits, Log, Mode, Patience};
+use firmware::supervision::{Command, Delay, Deviation, DeviationLimits, Fault, Limits, Log, Mode, Patience, Reach};
 use model_core::machine::{Bases, Machine, Parameter, Source, Tick};
 use model_core::number::{Number, PerUnit};
 
@@ -32,8 +32,12 @@ pub(crate) struct World {
     pub(crate) asked: u32,
     pub(crate) written: i32,
     pub(crate) predicted: Predicted,
+    /// The spool less its model's.
+    pub(crate) spool_off: Option<PerUnit>,
     pub(crate) wanted: PerUnit,
     pub(crate) started: u32,
+    /// The set point that the control got last.
+    pub(crate) set_point: Option<SetPoint>,
 }
 
 impl World {
@@ -49,8 +53,10 @@ impl World {
             asked: 0,
             written: 0,
             predicted: Predicted { spool: zero, pressure_a: zero, pressure_b: zero, velocity: zero, position: zero },
+            spool_off: None,
             wanted: neutral(),
             started: 0,
+            set_point: None,
         }
     }
 }
@@ -69,10 +75,14 @@ impl Control for Wanting {
     fn predicted(&self) -> Predicted {
         self.0.borrow().predicted
     }
-    fn follow(&mut self, _: SetPoint, _: &Measured) -> PerUnit {
+    fn follow(&mut self, set_point: SetPoint, _: &Measured) -> PerUnit {
+        self.0.borrow_mut().set_point = Some(set_point);
         self.0.borrow().wanted
     }
     fn accompany(&mut self, _: PerUnit, _: &Measured) {}
+    fn spool_off(&self, _: &Measured) -> Option<PerUnit> {
+        self.0.borrow().spool_off
+    }
 }
 
 /// Keeps what is logged.
@@ -113,7 +123,7 @@ pub(crate) fn limits() -> Limits {
     Limits {
         attempts: 3,
         settling: 5,
-        envelope: Envelope::new(&bounds, &bases).unwrap(),
+        envelope: Envelope::new(&bounds, &bases, 0.0).unwrap(),
         most_jump: percent(10),
         neutral: neutral(),
         most_command: percent(95),
@@ -122,6 +132,21 @@ pub(crate) fn limits() -> Limits {
         still_position: patience(2, 50),
         still: [None, patience(5, 40), patience(5, 60), patience(5, 60), None],
         read_back: patience(3, 4),
+        deviation: DeviationLimits::new(&deviation(), &bases).unwrap(),
+    }
+}
+
+/// A fifth of the stroke and 0.3 m/s for 20 ms, 0.1 of the spool for 5 ms, 5 to 45 % of the stroke.
+pub(crate) fn deviation() -> Deviation {
+    let delay = |by, for_s| Some(Delay { by, for_s });
+    let stroke_m = bases().stroke_m;
+    Deviation {
+        position: delay(0.2 * stroke_m, 0.02),
+        velocity: delay(0.3, 0.02),
+        spool: delay(0.1, 0.005),
+        range: Some(Reach { from_m: 0.05 * stroke_m, to_m: 0.45 * stroke_m }),
+        rest: None,
+        alarm: None,
     }
 }
 
@@ -163,6 +188,7 @@ pub(crate) fn rig(limits: Limits) -> Rig {
         calibration: Calibration::new(&sensors, INPUTS_UV, &actuator, OUTPUT_UV, &bases).unwrap(),
         travel: Travel::straight(&encoder, &bases).unwrap(),
         limits,
+        monitor: None,
     }
 }
 
@@ -208,7 +234,7 @@ pub(crate) trait Steps {
     fn step(&mut self, request: &Request, log: &mut Told) -> Report;
     fn home(&mut self, position: PerUnit) -> bool;
     fn state(&self) -> PeriodState;
-    fn restore(&mut self, state: PeriodState);
+    fn restore(&mut self, state: &PeriodState);
 }
 
 impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Steps for Period<A, P, O, C> {
@@ -221,15 +247,23 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Steps for Period<A, P
     fn state(&self) -> PeriodState {
         *Period::state(self)
     }
-    fn restore(&mut self, state: PeriodState) {
-        Period::restore(self, state);
+    fn restore(&mut self, state: &PeriodState) {
+        Period::restore(self, *state);
     }
 }
 
 impl Bench {
     pub(crate) fn new() -> Self {
+        Self::with(limits())
+    }
+
+    pub(crate) fn with(limits: Limits) -> Self {
+        Self::of(&rig(limits))
+    }
+
+    pub(crate) fn of(rig: &Rig) -> Self {
         let world = Rc::new(RefCell::new(World::new()));
-        let period = Period::begin(devices(&world), rig(limits()), Wanting(world.clone()), Place::Known).unwrap();
+        let period = Period::begin(devices(&world), *rig, Wanting(world.clone()), Place::Known).unwrap();
         let set_point = SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO };
         let request = Request { set_point, command: None, timing: Timing::Kept };
         Self { world, period: Box::new(period), told: Told::default(), request }
@@ -237,7 +271,12 @@ impl Bench {
 
     /// The rod follows, at 30 % of the stroke, and the valve is open.
     pub(crate) fn following() -> Self {
-        let mut bench = Self::new();
+        Self::new().follows()
+    }
+
+    /// The same of this one.
+    pub(crate) fn follows(self) -> Self {
+        let mut bench = self;
         bench.travel(STROKE * 3 / 10);
         bench.request.set_point.position = percent(30);
         bench.follow();

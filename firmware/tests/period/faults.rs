@@ -21,7 +21,7 @@ struct Case {
     watchdog: Watchdog,
 }
 
-const CASES: [Case; 15] = [
+const CASES: [Case; 20] = [
     Case {
         name: "pressure above its sensor's range",
         anew: false,
@@ -149,6 +149,51 @@ const CASES: [Case; 15] = [
         watchdog: Watchdog::Feed,
     },
     Case {
+        name: "set point accelerates",
+        anew: false,
+        bring: |_, request| request.set_point.velocity = percent(5),
+        is: |fault| matches!(fault, Fault::SetPointSteep { .. }),
+        mode: Mode::Holding,
+        within: 1,
+        watchdog: Watchdog::Feed,
+    },
+    Case {
+        name: "rod leaves its set point slowly",
+        anew: true,
+        bring: |world, _| world.count -= 15, // 0.21 m/s: a fifth of the stroke in 288 periods
+        is: |fault| matches!(fault, Fault::FollowingError { off } if *off < percent(-20)),
+        mode: Mode::Neutral,
+        within: 310,
+        watchdog: Watchdog::Feed,
+    },
+    Case {
+        name: "rod leaves its set point fast",
+        anew: true,
+        bring: |world, _| world.count -= 30, // 0.42 m/s
+        is: |fault| matches!(fault, Fault::VelocityError { .. }),
+        mode: Mode::Neutral,
+        within: 30,
+        watchdog: Watchdog::Feed,
+    },
+    Case {
+        name: "spool is elsewhere than its model",
+        anew: false,
+        bring: |world, _| world.spool_off = Some(percent(11)),
+        is: |fault| *fault == Fault::SpoolDeviates { off: percent(11) },
+        mode: Mode::Neutral,
+        within: 5,
+        watchdog: Watchdog::Feed,
+    },
+    Case {
+        name: "rod leaves its range",
+        anew: true,
+        bring: |world, _| world.count += 15, // 15 % of the stroke in 216 periods
+        is: |fault| matches!(fault, Fault::PositionOutside { .. }),
+        mode: Mode::Neutral,
+        within: 217,
+        watchdog: Watchdog::Feed,
+    },
+    Case {
         name: "another voltage at the valve",
         anew: true, // the output writes the voltage that is read back
         bring: |world, _| world.voltages[0] = VOLT,
@@ -193,6 +238,7 @@ fn every_fault_has_its_state_in_time_is_told_once_and_goes_by_command_only() {
         assert!(matches!(bench.told.faults[..], [ref fault] if is(fault)), "{name}: {:?}", bench.told.faults);
         assert!(report.active_faults.has(&bench.told.faults[0]), "{name}");
         assert_eq!((report.mode, report.watchdog), (mode, watchdog), "{name}");
+        assert_eq!(report.shut_off, bench.told.faults[0].needs_shut_off(), "{name}");
         if mode == Mode::Neutral {
             assert_eq!(report.command, neutral(), "{name}");
         }
@@ -214,6 +260,11 @@ fn every_fault_has_its_state_in_time_is_told_once_and_goes_by_command_only() {
             if bench.told.faults[0].loses_place() {
                 assert_eq!(bench.command(Some(Command::Follow)).answer, Some(Answer::Lost), "{name}");
                 assert!(bench.period.home(percent(30)));
+            }
+            // The rod may have moved.
+            bench.request.set_point.position = acknowledged.measured.position;
+            if bench.told.faults[0].loses_place() {
+                bench.request.set_point.position = percent(30);
             }
             bench.follow();
         }

@@ -2,6 +2,7 @@
 
 mod anything;
 mod bench;
+mod deviation;
 mod faults;
 
 use std::cell::RefCell;
@@ -42,7 +43,7 @@ fn a_stored_state_goes_on_just_so() {
     bench.run(3);
     let (state, world) = (bench.period.state(), bench.world.borrow().clone());
     let first = (bench.run(30), bench.command(Some(Command::Stop)), bench.run(30));
-    bench.period.restore(state);
+    bench.period.restore(&state);
     *bench.world.borrow_mut() = world;
     let again = (bench.run(30), bench.command(Some(Command::Stop)), bench.run(30));
     assert_eq!(first, again);

@@ -1,13 +1,15 @@
 //! Everything that a board does, except its pins: keys move the rod through every part, and the recording comes out.
 
 use firmware::app::press::{self, BOUNDS};
-use firmware::app::{Desk, DeskError, OperatorError, wired};
+use firmware::app::{Assembly, Desk, DeskError, OperatorError, ROWS, StationError, Wired, wired};
 use firmware::io::{AnalogIn, AnalogOut, PositionIn};
-use firmware::period::{Answer, Report, Timing, Watchdog};
+use firmware::period::{Answer, Report, Request, Timing, Watchdog};
 use firmware::recorder::frame::FrameReader;
 use firmware::recorder::message::Message;
-use firmware::set_point::Bounds;
-use firmware::supervision::Mode;
+use firmware::recorder::{Outbox, Recording};
+use firmware::set_point::{Bounds, SetPoint};
+use firmware::supervision::{Command, Fault, Mode};
+use model_core::number::{Number, PerUnit};
 
 use crate::Told;
 use crate::following::plant;
@@ -26,10 +28,10 @@ fn typed<A: AnalogIn, P: PositionIn, O: AnalogOut>(
     for key in keys.bytes() {
         desk.key(key).unwrap();
     }
-    let first = desk.step(Timing::Kept, told).report;
+    let first = desk.step(Timing::Kept, told);
     world.tick();
     let step = |_| {
-        let report = desk.step(Timing::Kept, told).report;
+        let report = desk.step(Timing::Kept, told);
         world.tick();
         report
     };
@@ -52,8 +54,8 @@ fn keys_move_the_rod_and_bring_its_record_out() {
     // The rod's position has not been given yet.
     typed(&mut desk, "", 200);
     assert_eq!(typed(&mut desk, "f", 1).1, Some(Answer::Lost));
-    // 40 % of the stroke.
-    let (report, answer) = typed(&mut desk, "120z\r\nf\r\n", 1);
+    // 40 % of the stroke; what was recorded before counts from elsewhere.
+    let (report, answer) = typed(&mut desk, "120zn\r\nf\r\n", 1);
     assert_eq!((report.mode, answer), (Mode::Following, Some(Answer::Taken)));
     assert_eq!(desk.key(b'z'), Err(DeskError::Operator(OperatorError::NoPosition { letter: b'z' })));
     assert_eq!("120z".bytes().map(|key| desk.key(key)).last(), Some(Err(DeskError::NotNeutral)));
@@ -84,4 +86,52 @@ fn keys_move_the_rod_and_bring_its_record_out() {
     assert!((millimetres(rows[0]) - 120.0).abs() < 0.1, "{}", millimetres(rows[0]));
     assert!((world.position_m - 0.14).abs() < 1e-3, "{}", world.position_m);
     assert_eq!(told.0, []);
+}
+
+#[test]
+fn a_fault_freezes_the_recorder_with_as_much_from_before_it_as_was_asked_for() {
+    let mut world = World::new(plant(&press::machine()));
+    world.output = 0;
+    world.tick();
+    let (mut memory, mut told) = (None, Told::default());
+    let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
+    let (inputs, counter, output) =
+        (world.wire(&world.adc, 0), world.wire(&world.counter, 1), world.wire(&world.dac, 2));
+    let assembly = Assembly::new(5_120_000, 20_000_000).unwrap().recording_before(2.5).unwrap();
+    let mut station = assembly.wired(inputs, counter, output, delay, &mut memory).unwrap();
+    assert!(station.home(PerUnit::saturated(0.4)));
+    let set_point = SetPoint { position: PerUnit::saturated(0.4), velocity: PerUnit::ZERO };
+    let mut run = |station: &mut Wired<'_, _, _, _>, world: &mut World, command, periods| {
+        for period in 0..periods {
+            let command = if period == 0 { command } else { None };
+            station.step(&Request { set_point, command, timing: Timing::Kept }, &mut told);
+            world.tick();
+        }
+    };
+    run(&mut station, &mut world, None, 200);
+    run(&mut station, &mut world, Some(Command::Follow), 3000);
+    assert_eq!(station.recorder().recording(), Recording::Waiting);
+    world.wired = false;
+    run(&mut station, &mut world, None, 10);
+    assert_eq!(station.recorder().recording(), Recording::Triggered);
+    run(&mut station, &mut world, None, 4000);
+    assert_eq!(station.recorder().recording(), Recording::Frozen);
+    assert!(matches!(told.0[..], [Fault::OpenWire { .. }]), "{:?}", told.0);
+
+    let (mut outbox, mut reader) = (Outbox::default(), FrameReader::new());
+    outbox.send();
+    let sent = std::iter::from_fn(|| outbox.next(station.recorder(), "press", 1_000_000));
+    let header = sent.filter_map(|byte| reader.take(byte)).find_map(|frame| match Message::of(&frame).unwrap() {
+        Message::Header(header) => Some((header.trigger - header.first, header.rows as usize)),
+        _ => None,
+    });
+    assert_eq!(header, Some((2500, ROWS)), "rows before the trigger, and all of them");
+}
+
+#[test]
+fn a_recorder_without_room_for_what_is_asked_for_is_refused() {
+    for seconds in [6.0, -0.1, f64::NAN] {
+        let refused = Assembly::new(5_120_000, 20_000_000).unwrap().recording_before(seconds);
+        assert!(matches!(refused, Err(StationError::Recorder(_))), "{seconds}");
+    }
 }

@@ -16,7 +16,7 @@ use crate::{Bench, Told};
 /// A move to 60 % of the stroke.
 const OUT: Leg = Leg::Smooth { to_m: 0.18, duration_s: 3.0 };
 /// As a share of the stroke.
-const START: f64 = 0.4;
+pub(crate) const START: f64 = 0.4;
 
 /// The press in f64, at rest at [`START`].
 pub(crate) fn plant(machine: &Machine<f64>) -> Plant {
@@ -39,7 +39,7 @@ pub(crate) fn plant(machine: &Machine<f64>) -> Plant {
 }
 
 /// The press as the model describes it.
-fn press() -> Machine<f64> {
+pub(crate) fn press() -> Machine<f64> {
     let mut machine = machine();
     machine.set(Parameter::RateLimit, 12.0);
     machine.set(Parameter::TimeConstant1, 0.018);
@@ -58,7 +58,7 @@ fn bench(real: &Machine<f64>) -> Bench<Following<64>> {
     let world = World::new(plant(real));
     let mut period = world.begin(Following::new(follower, reference));
     assert!(period.home(PerUnit::saturated(START)));
-    let mut bench = Bench { world, period, told: Told::default(), wanted: START };
+    let mut bench = Bench { world, period, told: Told::default(), wanted: START, sent: START };
     bench.run(20);
     bench
 }
@@ -113,7 +113,7 @@ fn the_rod_follows_a_move_through_every_part() {
 fn an_encoder_that_lost_its_coupling_stops_the_rod_before_it_went_far() {
     let mut bench = bench(&press());
     bench.step(Some(Command::Follow));
-    bench.world.coupled = false;
+    bench.world.sense = 0;
     let (_, report) = drive_along(&mut bench, OUT);
     assert!(matches!(bench.told.0[..], [Fault::PositionStuck { .. }]), "{:?}", bench.told.0);
     assert_eq!((report.mode, report.watchdog), (Mode::Neutral, Watchdog::Feed));

@@ -1,8 +1,11 @@
 //! Does the whole io layer work with parts that behave as their data sheets say, and does it find what can go wrong with them?
 
 mod desk;
+mod failing;
 mod following;
 mod parts;
+mod power;
+mod runaway;
 mod world;
 
 use firmware::control::{Control, Predicted};
@@ -13,7 +16,7 @@ use firmware::period::{Answer, Report, Request, Timing, Watchdog};
 use firmware::set_point::SetPoint;
 use firmware::supervision::{Command, Device, Fault, Log, Mode};
 use model_core::number::{Number, PerUnit};
-use parts::WireState;
+use parts::{Part, WireState};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use world::{COUNTS_PER_M, GAIN_PER_V, OFFSET, OVERLAP, STROKE_M, Wired, World, simple_plant};
@@ -57,11 +60,16 @@ impl Log for Told {
     fn alarm(&mut self, _: &Miss) {}
 }
 
+/// Change of a set point in a period, of the stroke: 90 mm/s.
+const PACE: f64 = 0.09e-3 / STROKE_M;
+
 struct Bench<C> {
     world: World,
     period: Wired<C>,
     told: Told,
+    /// Where the rod is wanted in the end, and the set point on its way there.
     wanted: f64,
+    sent: f64,
 }
 
 impl Bench<Proportional> {
@@ -70,7 +78,7 @@ impl Bench<Proportional> {
         let world = World::new(simple_plant());
         let mut period = world.begin(Proportional::new());
         assert!(period.home(PerUnit::ZERO));
-        let mut bench = Self { world, period, told: Told::default(), wanted: 0.0 };
+        let mut bench = Self { world, period, told: Told::default(), wanted: 0.0, sent: 0.0 };
         bench.run(20);
         assert_eq!(bench.step(Some(Command::Follow)).mode, Mode::Following);
         bench.wanted = 0.6;
@@ -82,7 +90,8 @@ impl Bench<Proportional> {
 
 impl<C: Control> Bench<C> {
     fn step(&mut self, command: Option<Command>) -> Report {
-        self.step_to(SetPoint { position: PerUnit::saturated(self.wanted), velocity: PerUnit::ZERO }, command)
+        self.sent += (self.wanted - self.sent).clamp(-PACE, PACE);
+        self.step_to(SetPoint { position: PerUnit::saturated(self.sent), velocity: PerUnit::ZERO }, command)
     }
 
     fn step_to(&mut self, set_point: SetPoint, command: Option<Command>) -> Report {

@@ -8,6 +8,9 @@ use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 /// What a part does in one frame: it sends as many bytes as it receives.
 pub(crate) trait Part {
     fn frame(&mut self, sent: &[u8]) -> Vec<u8>;
+
+    /// Its supply is lost and comes back: every register as after power-on.
+    fn lose_power(&mut self);
 }
 
 /// What happens to the line from a part.
@@ -20,6 +23,16 @@ pub(crate) enum WireState {
     Fails,
     /// Each byte is replaced by noise from this xorshift.
     Noise(u32),
+    /// After so many more frames bits of one are wrong, by this mask; then the line is whole again.
+    Flips(usize, u8),
+    /// After so many more frames the part loses its supply within one, after so many of its bytes; then the supply is back, or stays away.
+    LosesPower {
+        frames: usize,
+        bytes: usize,
+        stays_away: bool,
+    },
+    /// The part has no supply yet, for so many more frames.
+    Sleeps(usize),
 }
 
 /// A part on its own chip select, shared with the test.
@@ -27,6 +40,53 @@ pub(crate) struct Wire<P> {
     pub(crate) part: Rc<RefCell<P>>,
     pub(crate) line: Rc<RefCell<WireState>>,
     pub(crate) bytes: Rc<RefCell<usize>>,
+}
+
+impl<P: Part> Wire<P> {
+    /// What arrives of the part's answer.
+    fn answer(&self, sent: &[u8]) -> Vec<u8> {
+        let (mut part, mut line) = (self.part.borrow_mut(), self.line.borrow_mut());
+        match &mut *line {
+            WireState::Sleeps(left) if *left > 0 => {
+                *left -= 1;
+                vec![0; sent.len()]
+            }
+            WireState::LosesPower { frames: 0, bytes, stays_away } => {
+                let mut answer = part.frame(sent);
+                answer.iter_mut().skip(*bytes).for_each(|byte| *byte = 0);
+                part.lose_power();
+                *line = if *stays_away { WireState::Hangs(0) } else { WireState::Whole };
+                answer
+            }
+            WireState::Flips(0, mask) => {
+                let mut answer = part.frame(sent);
+                // The status itself, or a byte of a count that the rod cannot have moved by.
+                let place = if answer.len() == 2 { 1 } else { answer.len().saturating_sub(2) };
+                answer[place] ^= *mask;
+                *line = WireState::Whole;
+                answer
+            }
+            WireState::LosesPower { frames: left, .. } | WireState::Flips(left, _) => {
+                *left -= 1;
+                part.frame(sent)
+            }
+            WireState::Hangs(level) => {
+                part.frame(sent);
+                vec![*level; sent.len()]
+            }
+            WireState::Noise(word) => part.frame(sent).into_iter().map(|_| noise(word)).collect(),
+            WireState::Whole | WireState::Fails | WireState::Sleeps(_) => part.frame(sent),
+        }
+    }
+}
+
+/// A byte of a xorshift.
+fn noise(word: &mut u32) -> u8 {
+    *word ^= *word << 13;
+    *word ^= *word >> 17;
+    *word ^= *word << 5;
+    let [noise, ..] = word.to_be_bytes();
+    noise
 }
 
 impl<P> ErrorType for Wire<P> {
@@ -46,21 +106,8 @@ impl<P: Part> SpiDevice for Wire<P> {
                 _ => panic!("the drivers write and transfer only"),
             };
             *self.bytes.borrow_mut() += sent.len();
-            let answer = self.part.borrow_mut().frame(sent);
-            for (byte, answered) in read.iter_mut().zip(answer) {
-                let mut line = self.line.borrow_mut();
-                *byte = match &mut *line {
-                    WireState::Hangs(level) => *level,
-                    WireState::Whole | WireState::Fails => answered,
-                    WireState::Noise(word) => {
-                        *word ^= *word << 13;
-                        *word ^= *word >> 17;
-                        *word ^= *word << 5;
-                        let [noise, ..] = word.to_be_bytes();
-                        noise
-                    }
-                };
-            }
+            let answer = self.answer(sent);
+            read.iter_mut().zip(answer).for_each(|(byte, answered)| *byte = answered);
         }
         Ok(())
     }
@@ -79,12 +126,6 @@ impl Adc {
         let mut part = Self { registers: [0; 64], selected: None, inputs_v: [None; 8] };
         part.lose_power();
         part
-    }
-
-    pub(crate) fn lose_power(&mut self) {
-        self.registers = [0; 64];
-        self.registers[1] = 0xFF;
-        self.selected = None;
     }
 
     fn code(&self, channel: u8) -> u16 {
@@ -108,6 +149,12 @@ impl Adc {
 }
 
 impl Part for Adc {
+    fn lose_power(&mut self) {
+        self.registers = [0; 64];
+        self.registers[1] = 0xFF;
+        self.selected = None;
+    }
+
     fn frame(&mut self, sent: &[u8]) -> Vec<u8> {
         // Bit 47 of `word` is the first of six bytes; the answer starts at the 16th clock.
         let mut word = 0_u64;
@@ -152,10 +199,6 @@ impl Counter {
         Self { mode: [0; 2], status: 0b1100, count: 0 }
     }
 
-    pub(crate) fn lose_power(&mut self) {
-        *self = Self::new();
-    }
-
     /// Edges of both channels of the encoder.
     pub(crate) fn turn(&mut self, edges: i32) {
         if self.mode[0] & 0b11 == 3 {
@@ -165,6 +208,10 @@ impl Counter {
 }
 
 impl Part for Counter {
+    fn lose_power(&mut self) {
+        *self = Self::new();
+    }
+
     fn frame(&mut self, sent: &[u8]) -> Vec<u8> {
         let mut answer = vec![0; sent.len()];
         match (sent[0] >> 6, sent[0] >> 3 & 7) {
@@ -201,10 +248,6 @@ impl Dac {
         Self { codes: [0; 4], ranges: [0; 4], power: 0, control: 0, out: 0, shorted: None }
     }
 
-    pub(crate) fn lose_power(&mut self) {
-        *self = Self { shorted: self.shorted, ..Self::new() };
-    }
-
     /// Voltage of an output; none if the output is powered down.
     pub(crate) fn volts(&self, output: usize) -> Option<f64> {
         let up = self.power & 1 << output != 0;
@@ -224,6 +267,10 @@ impl Dac {
 }
 
 impl Part for Dac {
+    fn lose_power(&mut self) {
+        *self = Self { shorted: self.shorted, ..Self::new() };
+    }
+
     fn frame(&mut self, sent: &[u8]) -> Vec<u8> {
         let [first, high, low] = *sent else { panic!("24 bits") };
         let [out_high, out_low] = self.out.to_be_bytes();

@@ -9,10 +9,11 @@ use firmware::io::ads8688::{Ads8688, Range};
 use firmware::io::ls7366r::{FilterClock, Ls7366r};
 use firmware::io::{AnalogIn, AnalogOut};
 use firmware::measured::AnalogSignal;
+use firmware::monitor::Monitor;
 use firmware::period::{Devices, Period, Place, Rig};
 use firmware::scaling::{Actuator, Band, Calibration, Encoder, Point, Rising, Sensor, Travel};
 use firmware::set_point::Bounds;
-use firmware::supervision::{Allowed, Delay, Limits};
+use firmware::supervision::{Allowed, Delay, Deviation, Limits};
 use model_core::drive::Drive;
 use model_core::machine::{Machine, Parameter, Source, Tick};
 use model_core::number::PerUnit;
@@ -65,8 +66,8 @@ pub(crate) struct World {
     pub(crate) position_m: f64,
     pub(crate) edges: i64,
     pub(crate) ticks: u32,
-    /// Whether the rod turns the encoder.
-    pub(crate) coupled: bool,
+    /// Which way the rod turns the encoder: 1 as it should, -1 the wrong way, 0 not at all.
+    pub(crate) sense: i32,
     /// Whether the wire of pressure A is intact.
     pub(crate) wired: bool,
     /// Whether there are 100 kΩ to ground at its input.
@@ -89,7 +90,7 @@ impl World {
             position_m: 0.0,
             edges: 0,
             ticks: 0,
-            coupled: true,
+            sense: 1,
             wired: true,
             pulled: true,
         };
@@ -109,9 +110,7 @@ impl World {
         self.position_m = seen.position_m;
         #[expect(clippy::cast_possible_truncation, reason = "some 20 000 over the stroke")]
         let edges = (self.position_m * COUNTS_PER_M).round() as i64;
-        if self.coupled {
-            self.counter.borrow_mut().turn(i32::try_from(edges - self.edges).unwrap());
-        }
+        self.counter.borrow_mut().turn(self.sense * i32::try_from(edges - self.edges).unwrap());
         self.edges = edges;
         // Sensors never give exactly the same value twice.
         let noise_v = f64::from(self.ticks % 2) * 6e-4;
@@ -124,8 +123,18 @@ impl World {
     }
 
     pub(crate) fn begin<C: Control>(&self, control: C) -> Wired<C> {
-        let machine = machine();
-        let drive = Drive::<PerUnit>::new::<64>(&machine, Tick::OneMillisecond).unwrap();
+        self.begin_with(control, &machine(), &allowed(), &sensors(), None)
+    }
+
+    pub(crate) fn begin_with<C: Control>(
+        &self,
+        control: C,
+        machine: &Machine<f64>,
+        allowed: &Allowed,
+        sensors: &[(AnalogSignal, Sensor)],
+        monitor: Option<Monitor>,
+    ) -> Wired<C> {
+        let drive = Drive::<PerUnit>::new::<64>(machine, Tick::OneMillisecond).unwrap();
         let bases = drive.bases();
         let ranges = [
             Some(Range::Bipolar10V),
@@ -137,9 +146,9 @@ impl World {
             None,
             None,
         ];
-        let limits = Limits::new(&allowed(), &machine, bases).unwrap();
+        let limits = Limits::new(allowed, machine, bases).unwrap();
         let calibration = Calibration::new(
-            &sensors(),
+            sensors,
             <Ads8688<Wire<Adc>> as AnalogIn>::SPAN_UV,
             &Actuator { zero_v: 0.0, full_v: 10.0, lowest_v: -9.6, highest_v: 9.6 },
             <Ad5754<Wire<Dac>> as AnalogOut>::SPAN_UV,
@@ -154,7 +163,7 @@ impl World {
         let output = Ad5754::begin(self.wire(&self.dac, 2), delay, Channel::B, Reference::External, neutral).unwrap();
         let inputs = Ads8688::begin(self.wire(&self.adc, 0), ranges).unwrap();
         let position = Ls7366r::begin(self.wire(&self.counter, 1), FilterClock::Undivided).unwrap();
-        let rig = Rig { calibration, travel, limits };
+        let rig = Rig { calibration, travel, limits, monitor };
         Period::begin(Devices { inputs, position, output }, rig, control, Place::Lost).unwrap()
     }
 }
@@ -172,9 +181,9 @@ pub(crate) fn machine() -> Machine<f64> {
     machine
 }
 
-/// Permitted set points.
+/// Permitted set points; most of these tests are not about their acceleration.
 pub(crate) const BOUNDS: Bounds =
-    Bounds { from_m: 0.0, to_m: STROKE_M, velocity_m_per_s: 0.1, acceleration_m_per_s2: 1.0 };
+    Bounds { from_m: 0.0, to_m: STROKE_M, velocity_m_per_s: 0.1, acceleration_m_per_s2: 1000.0 };
 
 pub(crate) fn allowed() -> Allowed {
     Allowed {
@@ -182,6 +191,7 @@ pub(crate) fn allowed() -> Allowed {
         settling_s: 0.02,
         bounds: BOUNDS,
         jump_m: 0.3,
+        set_point_step_m: 0.0,
         command_v: 9.5,
         slew_v_per_s: 1000.0,
         ramp_v_per_s: 100.0,
@@ -189,6 +199,7 @@ pub(crate) fn allowed() -> Allowed {
         still_spool: Some(Delay { by: 0.05, for_s: 0.1 }),
         still_pressure: Some(Delay { by: 7e5, for_s: 0.1 }),
         read_back: Some(Delay { by: 0.05, for_s: 0.005 }),
+        deviation: Deviation::UNWATCHED,
     }
 }
 

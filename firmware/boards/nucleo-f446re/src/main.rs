@@ -13,7 +13,8 @@ use defmt_rtt as _;
 use embedded_hal::spi::{MODE_0, MODE_1};
 use embedded_hal_bus::spi::ExclusiveDevice;
 use firmware::app::press::{BOUNDS, TICK_NS, values};
-use firmware::app::{Desk, Outcome, Ring, wired};
+use firmware::app::{Desk, Ring, wired};
+use firmware::board::stack;
 use firmware::period::{Answer, Timing, Watchdog};
 use firmware::set_point::Bounds;
 use firmware::supervision::Defmt;
@@ -30,6 +31,8 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 const BAUD: u32 = 460_800;
 /// Time without a healthy period after which the watchdog restarts the controller, ms; its own clock may be half slower or half faster.
 const WATCHDOG_MS: u32 = 10;
+/// The same while the parts are set up, ms: a part that is missing at the start restarts the controller, again and again.
+const START_MS: u32 = 500;
 /// From power to a steady reference of the ADS8688, ms: 15, and some more.
 const POWER_UP_MS: u32 = 20;
 
@@ -42,14 +45,15 @@ fn main() -> ! {
     if let (Some(board), Some(core), Some(memory)) = (Peripherals::take(), cortex_m::Peripherals::take(), memory) {
         run(board, core, memory);
     }
-    // Without a station nothing is commanded, the relay stays open, and the log has said why.
+    // Without a station nothing is commanded, the relay stays open, and the log has said why. The watchdog tries again: a part's supply may come late.
     loop {
         asm::nop();
     }
 }
 
-/// Wires the board and runs its periods; returns only if it cannot begin.
-fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Option<Ring>) {
+/// Wires the board and runs its periods; returns only if it cannot begin, and then the watchdog restarts the controller.
+fn run(board: Peripherals, mut core: cortex_m::Peripherals, memory: &'static mut Option<Ring>) {
+    stack::guard(&mut core.MPU);
     // 8 MHz from the ST-LINK; 168 MHz without overdrive: 84 MHz for SPI1 and the timers, 42 MHz for SPI2, SPI3 and USART2.
     let mut rcc = board.RCC.freeze(Config::hse(8.MHz()).bypass_hse_oscillator().sysclk(168.MHz()));
     let dwt = core.DWT.constrain(core.DCB, &rcc.clocks);
@@ -58,6 +62,8 @@ fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Opt
     let (c, d) = (board.GPIOC.split(&mut rcc), board.GPIOD.split(&mut rcc));
 
     let mut relay = c.pc8.into_push_pull_output_in_state(PinState::Low);
+    // High while there may be oil: a broken wire cuts it off too.
+    let mut shut_off = c.pc9.into_push_pull_output_in_state(PinState::Low);
     let mut lamp = a.pa5.into_push_pull_output_in_state(PinState::Low);
     let button = c.pc13.into_input();
 
@@ -87,6 +93,8 @@ fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Opt
     let Ok((mut line, typed)) = line.map(Serial::split) else { return defmt::error!("no line at {} baud", BAUD) };
     keys::listen(typed);
 
+    let mut watchdog = IndependentWatchdog::new(board.IWDG);
+    watchdog.start(START_MS.millis());
     delay.delay_ms(POWER_UP_MS);
     let mut desk = match wired(inputs, counter, output, &mut delay, memory) {
         Ok(station) => Desk::new(station, BY_HAND),
@@ -94,7 +102,6 @@ fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Opt
     };
 
     let mut timer = board.TIM5.counter_us(&mut rcc);
-    let mut watchdog = IndependentWatchdog::new(board.IWDG);
     if timer.start((TICK_NS / 1000).micros()).is_err() {
         return defmt::error!("no period of {} ns", TICK_NS);
     }
@@ -117,7 +124,7 @@ fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Opt
         if button.is_low() {
             desk.stop();
         }
-        let Outcome { report, .. } = desk.step(timing, &mut Defmt);
+        let report = desk.step(timing, &mut Defmt);
         if let Some(refused) = report.answer.filter(|answer| *answer != Answer::Taken) {
             defmt::warn!("refused: {}", refused);
         }
@@ -125,6 +132,7 @@ fn run(board: Peripherals, core: cortex_m::Peripherals, memory: &'static mut Opt
             watchdog.feed();
         }
         relay.set_state(PinState::from(report.energised));
+        shut_off.set_state(PinState::from(!report.shut_off));
         lamp.set_state(PinState::from(report.mode.is_running()));
 
         let took_us = timer.now().ticks();

@@ -9,7 +9,7 @@ use firmware::app::press;
 use firmware::control::Reference;
 use firmware::trial::DELAY;
 use heapless::Vec;
-use model_core::machine::{Bases, Machine, MachineError, Tick};
+use model_core::machine::{Machine, MachineError, Tick};
 use model_core::number::PerUnit;
 
 /// Number of a part.
@@ -203,11 +203,6 @@ impl Plant {
         let model = Reference::at_rest(machine, Tick::OneMillisecond, PLACE)?;
         let counts = counts(&model);
         Ok(Self { model, counts })
-    }
-
-    /// What 1 per unit stands for.
-    pub(crate) fn bases(&self) -> &Bases {
-        self.model.bases()
     }
 
     /// One millisecond of the machine; not counted.

@@ -14,7 +14,7 @@ use firmware::io::ads8688::Ads8688;
 use firmware::io::{AnalogIn, AnalogOut};
 use firmware::period::{Request, Timing};
 use firmware::set_point::{Bounds, Course, CourseState, Leg, SetPoint, SetPointError};
-use firmware::supervision::{ActiveFaults, Command, Mode};
+use firmware::supervision::{ActiveFaults, Command, Delay, Deviation, Mode, Reach};
 use firmware::trial::{every_effect, press};
 use model_core::machine::Machine;
 use model_core::number::{Number, PerUnit};
@@ -71,6 +71,16 @@ struct Bench<'a> {
     cost: Cost,
 }
 
+/// Everything is watched and nothing is told: the plant lacks most of the effects that a model here has.
+const WIDE: Deviation = Deviation {
+    position: Some(Delay { by: 0.2, for_s: 0.05 }),
+    velocity: Some(Delay { by: 0.5, for_s: 0.05 }),
+    spool: Some(Delay { by: 2.0, for_s: 0.05 }),
+    range: Some(Reach { from_m: 0.0, to_m: 0.3 }),
+    rest: Some(Delay { by: 0.2, for_s: 0.1 }),
+    alarm: None,
+};
+
 impl<'a> Bench<'a> {
     /// A controller whose model of the press is `model`.
     fn begin(
@@ -81,8 +91,8 @@ impl<'a> Bench<'a> {
     ) -> Result<Self, BudgetError> {
         let wire = |part| Wire { parts, part };
         let [inputs, output, counts] = [Part::Inputs, Part::Output, Part::Counter].map(wire);
-        let mut station =
-            Assembly::of(model, INPUT_UV, OUTPUT_UV)?.wired(inputs, counts, output, &mut Waits, memory)?;
+        let assembly = Assembly::of(model, INPUT_UV, OUTPUT_UV)?.deviating(&WIDE)?;
+        let mut station = assembly.wired(inputs, counts, output, &mut Waits, memory)?;
         let mut plant = Plant::new(&press())?;
         plant.tick(parts);
         parts.borrow_mut().forget();
@@ -97,8 +107,8 @@ impl<'a> Bench<'a> {
         let request = black_box(Request { set_point: self.wanted, command, timing });
         let (mut mode, mut active_faults) = (Mode::Starting, ActiveFaults::NONE);
         let whole = self.counter.counts(|| {
-            let outcome = black_box(self.station.step(&request, &mut ()));
-            (mode, active_faults) = (outcome.report.mode, outcome.report.active_faults);
+            let report = black_box(self.station.step(&request, &mut ()));
+            (mode, active_faults) = (report.mode, report.active_faults);
         });
         self.active_faults = active_faults;
         let parts = self.counter.counts(|| ask_again(self.parts));
@@ -141,7 +151,7 @@ impl<'a> Bench<'a> {
             Leg::Smooth { to_m: from_m, duration_s: 0.8 },
             Leg::Rest { duration_s: 0.3 },
         ];
-        let course = Course::<5>::new(self.plant.bases(), &bounds, from_m, &legs)?;
+        let course = Course::<5>::new(self.station.bases(), &bounds, from_m, &legs)?;
         let (mut state, mut mode) = (CourseState::default(), Mode::Starting);
         while !course.is_done(&state) {
             self.wanted = course.step(&mut state);

@@ -8,25 +8,36 @@
 //! |---|---|
 //! | starting, neutral | neutral at once |
 //! | following | control along the set point, within slew and size |
-//! | holding | control at the frozen set point, within slew and size |
+//! | holding | control at the set point, which comes to rest at the permitted acceleration; within slew and size |
 //! | ramping down | towards neutral by the ramp; the model runs along |
+//!
+//! **Deviation.** While the valve is commanded, the rod is compared with its set point, the spool with its model, and all sensors with the reference
+//! model (`supervision/deviation.rs`, [`Monitor`]). A spool that jams open cannot be closed by any command: the valve loses its command and its
+//! current, and [`Report::shut_off`] asks for what this firmware is not, an independent valve.
 //!
 //! **Watchdog.** It must be fed after a healthy period: the period before ended in time, every device answered and the output took
 //! the command. In any other period the valve loses its current as well ([`Report::energised`]), because the ramp may not arrive. A
 //! restart may cure the cause of such a period. It cannot cure a broken sensor, and would lose the recorder's contents: such faults lead
 //! to their own modes, and the watchdog is still fed.
 
+mod compare;
+mod report;
+
 use model_core::number::{Number, PerUnit};
 
 use crate::control::{Control, Predicted};
 use crate::io::{AnalogIn, AnalogOut, IoError, PositionIn};
 use crate::measured::Measured;
+use crate::monitor::{Monitor, MonitorState};
 use crate::scaling::{Calibration, Travel};
-use crate::set_point::SetPoint;
+use crate::set_point::{Followed, Refusal, SetPoint};
+use crate::supervision::deviating::Deviating;
 use crate::supervision::sense::{Expected, Senses, apart, ask, sorted};
 use crate::supervision::{
-    Action, ActiveFaults, Command, Device, Event, Fault, Findings, Limits, LimitsError, Log, Mode,
+    Action, ActiveFaults, Command, Device, Event, Fault, Findings, Limits, LimitsError, Log, Mode, Response,
 };
+
+pub use report::{Answer, Place, Report, Request, Timing, Watchdog};
 
 /// The devices of a rig.
 #[derive(Debug)]
@@ -48,83 +59,8 @@ pub struct Rig {
     pub travel: Travel,
     /// What is too far, too fast or too long.
     pub limits: Limits,
-}
-
-/// Whether the last period ended in time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Timing {
-    /// The last period ended before this one was due.
-    Kept,
-    /// It did not end in time.
-    Overrun,
-}
-
-/// What is wanted in a period.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Request {
-    /// Wanted position and velocity of the rod.
-    pub set_point: SetPoint,
-    /// A command, only in the period in which it is given.
-    pub command: Option<Command>,
-    /// Whether the last period ended in time.
-    pub timing: Timing,
-}
-
-/// What became of a command.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Answer {
-    /// It was handed to the state machine.
-    Taken,
-    /// Refused: a fault is present in this period.
-    Faulty,
-    /// Refused: the sensors, or a valve that went to neutral, have not settled yet.
-    Unsettled,
-    /// Refused: the encoder lost the rod's position, and nobody has given it since.
-    Lost,
-}
-
-/// Whether the encoder's count is known to be the rod's position.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Place {
-    /// It is.
-    Known,
-    /// Somebody must give the rod's position before it follows: [`Period::home`].
-    Lost,
-}
-
-/// What is to be done with the watchdog after a period.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Watchdog {
-    /// Feed it: the period was healthy.
-    Feed,
-    /// Do not feed it: a restart may cure what is wrong.
-    Withhold,
-}
-
-/// Result of a period.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Report {
-    /// The mode after the period.
-    pub mode: Mode,
-    /// What the sensors measured.
-    pub measured: Measured,
-    /// What the model predicted for the same time, before its step; `None` while it does not run.
-    pub predicted: Option<Predicted>,
-    /// The command that was put out, in units of 10 V.
-    pub command: PerUnit,
-    /// What became of the given command, if one was given.
-    pub answer: Option<Answer>,
-    /// Faults that have not been acknowledged.
-    pub active_faults: ActiveFaults,
-    /// What is to be done with the watchdog.
-    pub watchdog: Watchdog,
-    /// Whether the valve may have current: from the command to follow until neutral is reached, or until a period that was not
-    /// healthy. Without current the valve's springs close it, whatever the output holds; only a command switches the current on again.
-    pub energised: bool,
+    /// Whether the model still predicts what the sensors show; `None` is not monitored.
+    pub monitor: Option<Monitor>,
 }
 
 /// State of a period: everything that it remembers, except the control's own state.
@@ -139,8 +75,10 @@ pub struct PeriodState {
     healthy: u16,
     /// Successive periods in which the voltage at the valve differed from the output.
     away: u16,
-    /// Last set point within the limits; at rest while the rod is held there.
-    accepted: SetPoint,
+    /// Last set point within the limits; comes to rest while the rod is held.
+    followed: Followed,
+    deviating: Deviating,
+    watched: MonitorState,
     /// Last command, from which the next one slews.
     command: PerUnit,
     /// Command that the output holds, where that is certain.
@@ -196,7 +134,9 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             energised: false,
             healthy: 0,
             away: 0,
-            accepted: SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO },
+            followed: Followed::resting(PerUnit::ZERO),
+            deviating: Deviating::NEW,
+            watched: MonitorState::AT_REST,
             command: limits.neutral,
             put_out: Some(limits.neutral),
         };
@@ -209,6 +149,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         if neutral {
             self.rig.travel.home(&mut self.state.senses.travel, position);
             self.state.place = Place::Known;
+            self.state.deviating.displaced();
         }
         neutral
     }
@@ -222,6 +163,9 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         }
         let predicted = self.state.mode.is_running().then(|| self.control.predicted());
         let measured = self.sense(predicted, &mut found);
+        let spool_off = predicted.and_then(|_| self.control.spool_off(&measured));
+        let alarm = self.monitor(predicted, spool_off, &measured, &mut found);
+        self.deviate(predicted, spool_off, &measured, &mut found);
 
         self.heed_faults(&mut found, &measured);
         let answer = self.obey(request, &measured, &mut found);
@@ -238,11 +182,24 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             measured,
             predicted,
             command: self.state.command,
+            followed: self.state.followed.at,
             answer,
             active_faults: self.state.active_faults,
+            alarm,
+            shut_off: self.state.active_faults.need_shut_off(),
             watchdog: if found.own { Watchdog::Withhold } else { Watchdog::Feed },
             energised: self.state.energised,
         }
+    }
+
+    /// Changes what the monitor's alarm leads to: `None` ignores it, as for recording a drive that is to be diagnosed.
+    pub fn answer_alarms(&mut self, response: Option<Response>) {
+        self.rig.limits.deviation.alarm = response;
+    }
+
+    /// The monitor forgets what it has seen, and may give an alarm again.
+    pub fn arm_monitor(&mut self) {
+        self.state.watched = MonitorState::AT_REST;
     }
 
     /// The mode now.
@@ -318,28 +275,34 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
 
     /// The fault of an absurd set point, if it is absurd.
     fn absurd(&self, wanted: SetPoint) -> Option<Fault> {
-        let limits = &self.rig.limits;
-        let (from, to) = (self.state.accepted.position, wanted.position);
-        if !limits.envelope.admits(wanted) {
-            Some(Fault::SetPointOutside { position: to, velocity: wanted.velocity })
-        } else if apart(from, to, limits.most_jump) {
-            Some(Fault::SetPointJump { from, to })
-        } else {
-            None
-        }
+        let resumed = Followed::resting(self.state.followed.at.position);
+        self.next(&resumed, wanted).err()
     }
 
-    /// Takes the set point while the rod follows, unless it is absurd.
+    /// The set point that follows another one, or the fault of an absurd one.
+    fn next(&self, followed: &Followed, wanted: SetPoint) -> Result<Followed, Fault> {
+        let limits = &self.rig.limits;
+        let SetPoint { position, velocity } = wanted;
+        limits.envelope.next(followed, wanted, limits.most_jump).map_err(|refusal| match refusal {
+            Refusal::Outside => Fault::SetPointOutside { position, velocity },
+            Refusal::Jump => Fault::SetPointJump { from: followed.at.position, to: position },
+            Refusal::Steep => Fault::SetPointSteep { position, velocity },
+        })
+    }
+
+    /// Takes the set point while the rod follows, unless it is absurd; without one, the last comes to rest.
     fn accept<L: Log>(&mut self, wanted: SetPoint, measured: &Measured, found: &mut Findings<'_, L>) {
-        if self.state.mode != Mode::Following {
-            return;
-        }
-        match self.absurd(wanted) {
-            None => self.state.accepted = wanted,
-            Some(fault) => {
-                found.note(&fault);
-                self.heed_faults(found, measured);
+        if self.state.mode == Mode::Following {
+            match self.next(&self.state.followed, wanted) {
+                Ok(next) => self.state.followed = next,
+                Err(fault) => {
+                    found.note(&fault);
+                    self.heed_faults(found, measured);
+                }
             }
+        }
+        if self.state.mode == Mode::Holding {
+            self.state.followed = self.rig.limits.envelope.braked(&self.state.followed);
         }
     }
 
@@ -350,7 +313,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         match self.state.mode {
             Mode::Starting | Mode::Neutral => neutral,
             Mode::Following | Mode::Holding => {
-                let wanted = self.control.follow(self.state.accepted, measured).limited(most_command);
+                let wanted = self.control.follow(self.state.followed.at, measured).limited(most_command);
                 last + (wanted - last).limited(slew)
             }
             Mode::RampingDown => {
@@ -378,6 +341,9 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         } else if self.state.mode == Mode::RampingDown && command == neutral {
             self.change(Event::Arrived, measured, found);
         }
+        if self.state.mode.is_running() {
+            self.control.applied(command);
+        }
     }
 
     /// Passes an event to the state machine and carries out its action.
@@ -394,10 +360,17 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
                 self.control.start(measured);
                 self.state.senses.rouse();
                 self.state.energised = true;
-                self.state.accepted = SetPoint { position: measured.position, velocity: PerUnit::ZERO };
+                self.state.followed = Followed::resting(measured.position);
+                self.state.deviating.begin(&self.rig.limits.deviation, measured.position, self.rig.limits.most_jump);
             }
-            Action::Freeze => self.state.accepted.velocity = PerUnit::ZERO,
-            Action::Forget => found.active_faults = ActiveFaults::NONE,
+            Action::Forget => {
+                found.active_faults = ActiveFaults::NONE;
+                self.arm_monitor();
+                if next.mode == Mode::Following {
+                    self.state.followed = Followed::resting(self.state.followed.at.position);
+                    self.state.deviating.resume();
+                }
+            }
         }
     }
 }
