@@ -10,7 +10,7 @@
 //! | `t` | trigger the recorder |
 //! | `d` | send what the recorder holds |
 //! | `n` | delete that, and wait for the next alarm or fault |
-//! | `i` | from now on an alarm of the monitor is told and stops nothing, until the next start |
+//! | `i` | from now on an alarm of the monitor is told and stops nothing, until the controller restarts |
 //!
 //! Spaces and line ends do nothing. Positions are whole millimetres. After an unknown character, or one that was lost on the line,
 //! everything except `s` is ignored until the next space or line end: half a number would be another position.

@@ -37,7 +37,14 @@ mod on_target {
         let whole = KEPT.load(Ordering::Relaxed) == FULL;
         if let Some(mut console) = console() {
             let depth = DEPTH.load(Ordering::Relaxed);
-            let _ = writeln!(console, "overflow caught after {depth} calls, memory whole: {whole}");
+            // SAFETY: the status of the fault, read only.
+            let faults = unsafe { (*cortex_m::peripheral::SCB::PTR).cfsr.read() };
+            // Its lowest byte is the memory protection's; where there is no memory at all, the bus has failed.
+            let by_guard = faults & 0xff != 0;
+            let _ = writeln!(
+                console,
+                "overflow caught after {depth} calls, by the guard: {by_guard}, memory whole: {whole}"
+            );
         }
         exit(whole)
     }

@@ -49,6 +49,8 @@ pub fn guard(mpu: &mut cortex_m::peripheral::MPU) {
     let lowest = (&raw const _stack_end).expose_provenance();
     #[expect(clippy::cast_possible_truncation, reason = "an address has 32 bits here")]
     let lowest = lowest as u32;
+    // Cut down to a whole kilobyte, it would take what lies below the stack.
+    assert!(lowest.trailing_zeros() >= GUARD_BITS, "_stack_end is at {lowest:#x}; expected a whole kilobyte");
     // Never executed, no access, of this size, on; elsewhere as without the protection, and off in the fault's own handler.
     let attributes = 1 << 28 | (GUARD_BITS - 1) << 1 | 1;
     // SAFETY: the region holds nothing but the end of the stack, and no other region is on.

@@ -13,7 +13,7 @@
 //!
 //! **Deviation.** While the valve is commanded, the rod is compared with its set point, the spool with its model, and all sensors with the reference
 //! model (`supervision/deviation.rs`, [`Monitor`]). A spool that jams open cannot be closed by any command: the valve loses its command and its
-//! current, and [`Report::shut_off`] asks for what this firmware is not, an independent valve.
+//! current, and [`Report::shut_off`] asks an independent valve to cut off the oil.
 //!
 //! **Watchdog.** It must be fed after a healthy period: the period before ended in time, every device answered and the output took
 //! the command. In any other period the valve loses its current as well ([`Report::energised`]), because the ramp may not arrive. A
@@ -70,6 +70,8 @@ pub struct PeriodState {
     active_faults: ActiveFaults,
     senses: Senses,
     place: Place,
+    /// Whether somebody has homed, acknowledged or followed since the controller started: before that, nobody knows why it started.
+    released: bool,
     energised: bool,
     /// Periods without a fault since the last fault, or since the valve was last sent to neutral.
     healthy: u16,
@@ -131,6 +133,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             active_faults: ActiveFaults::NONE,
             senses: Senses::new(count),
             place,
+            released: false,
             energised: false,
             healthy: 0,
             away: 0,
@@ -149,6 +152,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         if neutral {
             self.rig.travel.home(&mut self.state.senses.travel, position);
             self.state.place = Place::Known;
+            self.state.released = true;
             self.state.deviating.displaced();
         }
         neutral
@@ -186,14 +190,24 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             answer,
             active_faults: self.state.active_faults,
             alarm,
-            shut_off: self.state.active_faults.need_shut_off(),
+            shut_off: self.needs_shut_off(),
             watchdog: if found.own { Watchdog::Withhold } else { Watchdog::Feed },
             energised: self.state.energised,
         }
     }
 
-    /// Changes what the monitor's alarm leads to: `None` ignores it, as for recording a drive that is to be diagnosed.
+    /// Whether an independent valve must cut off the oil. A rod whose place is lost, and a controller that has only started, cannot judge what moves.
+    fn needs_shut_off(&self) -> bool {
+        let PeriodState { active_faults, released, place, .. } = self.state;
+        active_faults.need_shut_off() || !released || place == Place::Lost
+    }
+
+    /// Changes what the monitor's alarm leads to: `None` ignores it, as for recording a drive that is to be diagnosed. An alarm that was ignored is given
+    /// again once alarms are heeded.
     pub fn answer_alarms(&mut self, response: Option<Response>) {
+        if response.is_some() && self.rig.limits.deviation.alarm.is_none() {
+            self.arm_monitor();
+        }
         self.rig.limits.deviation.alarm = response;
     }
 
@@ -264,10 +278,15 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         let answer = match command {
             Command::Acknowledge | Command::Follow if found.worst.is_some() || absurd => Answer::Faulty,
             Command::Follow if self.state.healthy < self.rig.limits.settling => Answer::Unsettled,
+            // Following may go on once the held set point has come to rest.
+            Command::Acknowledge if self.state.mode == Mode::Holding && !self.state.followed.rests() => {
+                Answer::Unsettled
+            }
             Command::Follow if self.state.place == Place::Lost => Answer::Lost,
             Command::Stop | Command::Acknowledge | Command::Follow => Answer::Taken,
         };
         if answer == Answer::Taken {
+            self.state.released |= command != Command::Stop;
             self.change(Event::Commanded(command), measured, found);
         }
         Some(answer)

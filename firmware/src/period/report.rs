@@ -85,7 +85,8 @@ pub struct Report {
     /// The monitor's alarm, in the period that gives it.
     pub alarm: Option<Miss>,
     /// Whether an independent valve must cut off the oil: the rod may move although the valve is commanded to neutral
-    /// ([`Fault::needs_shut_off`](crate::supervision::Fault::needs_shut_off)). Until the fault is acknowledged.
+    /// ([`Fault::needs_shut_off`](crate::supervision::Fault::needs_shut_off)), until the fault is acknowledged. Also while the rod's place is lost, and
+    /// from the controller's start until somebody homes, acknowledges or follows.
     pub shut_off: bool,
     /// Whether the valve may have current: from the command to follow until neutral is reached, or until a period that was not
     /// healthy. Without current the valve's springs close it, whatever the output holds; only a command switches the current on again.

@@ -31,6 +31,9 @@ pub(crate) struct Now {
     pub(crate) spool_off: Option<PerUnit>,
 }
 
+/// After so many periods a rod at rest is judged from where it is then: a leaking valve lets it creep, 10 s a limit at a period of a millisecond.
+const RENEWED: u16 = 10_000;
+
 /// What the check remembers from period to period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Deviating {
@@ -75,9 +78,10 @@ impl Deviating {
         *self = Self { range, ..Self::NEW };
     }
 
-    /// The set point begins anew: its jump is no velocity.
+    /// The set point begins anew: its jump is no velocity. What the rod and the spool are off by has lasted as long as before.
     pub(crate) fn resume(&mut self) {
-        *self = Self { range: self.range, ..Self::NEW };
+        let Self { position, spool, range, .. } = *self;
+        *self = Self { position, spool, range, ..Self::NEW };
     }
 
     /// A period in which the valve is commanded; the first deviation beyond its limit, if there is one.
@@ -102,7 +106,7 @@ impl Deviating {
         }
     }
 
-    /// A period with the valve at neutral; whether the rod may be judged says `judged`.
+    /// A period with the valve at neutral: the rod may creep, but not by the limit within [`RENEWED`] periods; whether the rod may be judged says `judged`.
     pub(crate) fn at_neutral(&mut self, limits: &DeviationLimits, position: PerUnit, judged: bool) -> Option<Fault> {
         let rest = limits.rest.as_ref()?;
         if !judged {
@@ -117,7 +121,11 @@ impl Deviating {
                 Some(Fault::MovesAtNeutral { from: rested, to: position })
             }
             None if self.neutral > rest.periods => {
-                self.rested = Some(position);
+                (self.neutral, self.rested) = (0, Some(position));
+                None
+            }
+            Some(_) if self.neutral >= RENEWED => {
+                (self.neutral, self.rested) = (0, Some(position));
                 None
             }
             _ => None,
@@ -227,5 +235,7 @@ mod tests {
         let found = (0..60).find(|&k| told(f64::from(k), true).is_some());
         assert_eq!(found, Some(31));
         assert_eq!((0..60).find(|&k| told(f64::from(k), false).is_some()), None, "somebody may push it");
+        // 1.5 mm in 10 s, for a minute.
+        assert_eq!((0..60_000).find(|&k| told(1.5e-3 * f64::from(k), true).is_some()), None, "it creeps");
     }
 }

@@ -193,8 +193,8 @@ impl Fault {
 
     /// Whether the rod may move although the valve is commanded to neutral: then an independent valve must cut off the oil.
     ///
-    /// The firmware cannot close a jammed spool, and cannot know whether one that deviates will close. It takes the valve's current and
-    /// signals.
+    /// The firmware cannot close a jammed spool, and cannot know whether one that deviates will close. It switches off the valve's
+    /// current and asks.
     #[must_use]
     pub const fn needs_shut_off(&self) -> bool {
         matches!(

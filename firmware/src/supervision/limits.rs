@@ -28,7 +28,7 @@ pub struct Allowed {
     pub settling_s: f64,
     /// Permitted set points.
     pub bounds: Bounds,
-    /// How far the first set point may be from the rod when following begins or goes on, m. From then on the bounds hold from tick to tick.
+    /// How far the first set point may be from the rod when following begins, or from the held set point when it goes on, m. From then on the bounds hold from tick to tick.
     pub jump_m: f64,
     /// Resolution of set points that come from elsewhere, m; 0 where they are as fine as the number format.
     pub set_point_step_m: f64,

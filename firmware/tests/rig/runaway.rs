@@ -174,7 +174,7 @@ fn whatever_fails_the_machine_ends_in_its_state_within_the_stated_distance_and_t
     }
     for (name, setup) in [("spool not measured", blind), ("alarm of the monitor ignored", alarm_ignored)] {
         writeln!(table, "{name}").unwrap();
-        // A load that falls off moves the rod by a fraction of a millimetre: a deviation is none, the alarm is for what is missing.
+        // A load that falls off moves the rod by a fraction of a millimetre: this is no deviation, only the alarm tells it.
         for case in CASES.iter().filter(|case| case.load_n == 0.0) {
             row(&mut table, case, setup, BLIND_MM);
         }

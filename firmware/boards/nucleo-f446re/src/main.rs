@@ -53,6 +53,9 @@ fn main() -> ! {
 
 /// Wires the board and runs its periods; returns only if it cannot begin, and then the watchdog restarts the controller.
 fn run(board: Peripherals, mut core: cortex_m::Peripherals, memory: &'static mut Option<Ring>) {
+    // Before anything that may wait: its own clock needs no other.
+    let mut watchdog = IndependentWatchdog::new(board.IWDG);
+    watchdog.start(START_MS.millis());
     stack::guard(&mut core.MPU);
     // 8 MHz from the ST-LINK; 168 MHz without overdrive: 84 MHz for SPI1 and the timers, 42 MHz for SPI2, SPI3 and USART2.
     let mut rcc = board.RCC.freeze(Config::hse(8.MHz()).bypass_hse_oscillator().sysclk(168.MHz()));
@@ -93,8 +96,6 @@ fn run(board: Peripherals, mut core: cortex_m::Peripherals, memory: &'static mut
     let Ok((mut line, typed)) = line.map(Serial::split) else { return defmt::error!("no line at {} baud", BAUD) };
     keys::listen(typed);
 
-    let mut watchdog = IndependentWatchdog::new(board.IWDG);
-    watchdog.start(START_MS.millis());
     delay.delay_ms(POWER_UP_MS);
     let mut desk = match wired(inputs, counter, output, &mut delay, memory) {
         Ok(station) => Desk::new(station, BY_HAND),
