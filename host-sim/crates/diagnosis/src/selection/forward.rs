@@ -171,7 +171,10 @@ impl Course {
             self.completed(question, all, (round, near), done)?
         };
         self.searched.did(stage, clock.lap_s());
-        self.rounds.push(trials(&all));
+        // Beside one effect that the drive is known to have, and may have more of by now, another one with values that no drive has is no rival.
+        let asks_of_change = round == 0 && !question.scene.held.is_empty();
+        let is_rival = |(candidate, _): &&(Candidate, f64)| !asks_of_change || candidate.is_plausible(question);
+        self.rounds.push(trials(all.iter().filter(is_rival)));
         Ok(self.searched.is_finished().then_some(all))
     }
 

@@ -182,8 +182,8 @@ pub(super) fn to_the_end(question: &Question<'_>, candidates: Vec<Candidate>) ->
     parallel::try_each(candidates, finished)
 }
 
-pub(crate) fn trials(ranked: &[(Candidate, f64)]) -> Vec<Trial> {
-    ranked.iter().map(|(candidate, net)| trial(candidate, *net)).collect()
+pub(crate) fn trials<'a>(ranked: impl IntoIterator<Item = &'a (Candidate, f64)>) -> Vec<Trial> {
+    ranked.into_iter().map(|(candidate, net)| trial(candidate, *net)).collect()
 }
 
 pub(crate) fn trial(candidate: &Candidate, net: f64) -> Trial {
