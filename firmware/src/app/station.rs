@@ -219,11 +219,25 @@ impl Assembly {
 /// A station with the press's parts as analogue inputs, counter and output.
 pub type Wired<'a, I, C, D> = Station<'a, Ads8688<I>, Ls7366r<C>, Ad5754<D>>;
 
-/// Sets the parts up on their buses and begins, with the valve at neutral and its command read back. The rod's position must be given before it follows ([`Station::home`]).
+/// Sets the parts up on their buses and begins, with the valve at neutral. The rod's position must be given before it follows ([`Station::home`]).
 ///
 /// # Errors
 /// The exported values do not make a station, or a part does not answer as it must.
 pub fn wired<'a, I: SpiDevice, C: SpiDevice, D: SpiDevice>(
+    inputs: I,
+    counter: C,
+    output: D,
+    delay: &mut impl DelayNs,
+    memory: &'a mut Option<Ring>,
+) -> Result<Wired<'a, I, C, D>, StationError> {
+    Assembly::new(Ads8688::<I>::SPAN_UV, Ad5754::<D>::SPAN_UV)?.wired(inputs, counter, output, delay, memory)
+}
+
+/// The same with the command read back: [`Assembly::reading_back`].
+///
+/// # Errors
+/// As [`wired`].
+pub fn wired_read_back<'a, I: SpiDevice, C: SpiDevice, D: SpiDevice>(
     inputs: I,
     counter: C,
     output: D,

@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use firmware::app::press::{self, BOUNDS};
-use firmware::app::{Desk, DeskError, wired};
+use firmware::app::{Desk, DeskError, wired_read_back};
 use firmware::commissioning::{CommissioningError, Note, Reading, Refusal, Step, Way, What};
 use firmware::monitor::Miss;
 use firmware::period::{Report, Timing};
@@ -172,7 +172,7 @@ fn on(machine: &Machine<f64>, wrong: Wrong, script: Script<'_>) -> Ended {
     let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
     let (inputs, counter, output) =
         (world.wire(&world.adc, 0), world.wire(&world.counter, 1), world.wire(&world.dac, 2));
-    let mut desk = Desk::new(wired(inputs, counter, output, delay, &mut memory).unwrap(), BY_HAND);
+    let mut desk = Desk::new(wired_read_back(inputs, counter, output, delay, &mut memory).unwrap(), BY_HAND);
     let stood_m = world.position_m;
     let mut moved_m = 0.0_f64;
     let mut report = desk.step(Timing::Kept, &mut heard);
@@ -285,7 +285,7 @@ fn steps_wait_for_those_before_them_and_other_moves_for_their_end() {
     let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
     let (inputs, counter, output) =
         (world.wire(&world.adc, 0), world.wire(&world.counter, 1), world.wire(&world.dac, 2));
-    let mut desk = Desk::new(wired(inputs, counter, output, delay, &mut memory).unwrap(), BY_HAND);
+    let mut desk = Desk::new(wired_read_back(inputs, counter, output, delay, &mut memory).unwrap(), BY_HAND);
     let mut run = |desk: &mut Desk<'_, _, _, _>, keys: &str, periods| {
         let result = keys.bytes().try_for_each(|key| desk.key(key));
         for _ in 0..periods {
@@ -321,7 +321,7 @@ fn a_fault_on_the_way_leads_where_it_always_does_and_refuses_the_step() {
     let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
     let (inputs, counter, output) =
         (world.wire(&world.adc, 0), world.wire(&world.counter, 1), world.wire(&world.dac, 2));
-    let mut desk = Desk::new(wired(inputs, counter, output, delay, &mut memory).unwrap(), BY_HAND);
+    let mut desk = Desk::new(wired_read_back(inputs, counter, output, delay, &mut memory).unwrap(), BY_HAND);
     let mut run = |supply_pa, keys: &str, periods: u32, broken: bool| {
         hall.set(Hall { supply_pa, ..hall.get() });
         world.wired = !broken;
