@@ -33,6 +33,7 @@ extern crate std;
 pub mod app;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 pub mod board;
+pub mod commissioning;
 pub mod control;
 pub mod in_the_loop;
 pub mod io;

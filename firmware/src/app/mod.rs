@@ -7,4 +7,6 @@ mod station;
 
 pub use desk::{Desk, DeskError};
 pub use operator::{Errand, Operator, OperatorError, OperatorState};
-pub use station::{Assembly, BEFORE_S, Press, RING_BYTES, ROWS, Ring, Station, StationError, Wired, wired};
+pub use station::{
+    Assembly, BEFORE_S, Press, RING_BYTES, ROWS, Ring, Station, StationError, Wired, wired, wired_read_back,
+};

@@ -10,6 +10,7 @@
 //! | `t` | trigger the recorder |
 //! | `d` | send what the recorder holds |
 //! | `n` | delete that, and wait for the next alarm or fault |
+//! | `1c` to `7c` | begin this step of the [commissioning](crate::commissioning); `0c` leaves it |
 //! | `i` | from now on an alarm of the monitor is told and stops nothing, until the controller restarts |
 //!
 //! Spaces and line ends do nothing. Positions are whole millimetres. After an unknown character, or one that was lost on the line,
@@ -43,6 +44,11 @@ pub enum Errand {
     Arm,
     /// From now on an alarm of the monitor leads to nothing.
     IgnoreAlarms,
+    /// Begin a step of the commissioning, or leave it.
+    Commission {
+        /// Number of the step from 1 on; 0 leaves.
+        step: u32,
+    },
 }
 
 /// Why the input is rejected.
@@ -50,7 +56,7 @@ pub enum Errand {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OperatorError {
     /// No such command.
-    #[error("{found:#04x} is none of f, g, s, a, z, t, d, n, i")]
+    #[error("{found:#04x} is none of f, g, s, a, z, c, t, d, n, i")]
     Unknown {
         /// What was typed.
         found: u8,
@@ -61,6 +67,9 @@ pub enum OperatorError {
         /// What was typed.
         letter: u8,
     },
+    /// The step's number is missing.
+    #[error("c needs the number of a step before it")]
+    NoStep,
     /// The rod does not follow.
     #[error("not following: type f first")]
     NotFollowing,
@@ -125,7 +134,8 @@ impl Operator {
             state.typed_mm = Some(typed_mm.min(MOST_MM));
             return Ok(None);
         }
-        let position_m = state.typed_mm.take().map(|typed_mm| f64::from(typed_mm) * 1e-3);
+        let typed = state.typed_mm.take();
+        let position_m = typed.map(|typed_mm| f64::from(typed_mm) * 1e-3);
         let position_m = position_m.ok_or(OperatorError::NoPosition { letter: character });
         match character {
             b'f' => Self::give(state, Command::Follow)?,
@@ -139,6 +149,10 @@ impl Operator {
                     state.wanted = SetPoint { position, velocity: PerUnit::ZERO };
                 }
                 return Ok(Some(Errand::Home { position }));
+            }
+            b'c' => {
+                let step = typed.ok_or(OperatorError::NoStep)?;
+                return Ok(Some(Errand::Commission { step }));
             }
             b't' => return Ok(Some(Errand::Trigger)),
             b'd' => return Ok(Some(Errand::Send)),
@@ -159,6 +173,11 @@ impl Operator {
         }
         state.command = Some(command);
         Ok(())
+    }
+
+    /// The number that was typed is forgotten: its letter is refused.
+    pub fn forget(&self, state: &mut OperatorState) {
+        state.typed_mm = None;
     }
 
     /// Stops in the next period, whatever else was requested for it.
@@ -236,6 +255,7 @@ mod tests {
         Report {
             mode,
             measured: nothing,
+            read_back: None,
             predicted: None,
             command: PerUnit::ZERO,
             followed: SetPoint { position, velocity: PerUnit::ZERO },
@@ -332,6 +352,8 @@ mod tests {
         let mut state = operator.at_rest();
         let Ok(Some(Errand::Home { position })) = type_in(&operator, &mut state, "150z") else { panic!("no errand") };
         assert!((millimetres(&operator, position) - 150.0).abs() < 1e-3);
+        assert_eq!(type_in(&operator, &mut state, "3c"), Ok(Some(Errand::Commission { step: 3 })));
+        assert_eq!(type_in(&operator, &mut state, "c"), Err(OperatorError::NoStep));
         for (letter, errand) in
             [("t", Errand::Trigger), ("d", Errand::Send), ("n", Errand::Arm), ("i", Errand::IgnoreAlarms)]
         {

@@ -23,9 +23,22 @@ pub mod values {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "two milliseconds at most")]
 pub const TICK_NS: u32 = (values::TICK.seconds() * 1e9) as u32;
 
-/// Ranges of the converter's channels: 1 spool, 2 and 3 pressures in A and B.
+/// Ranges of the converter's channels: 1 spool, 2 and 3 pressures in A and B; where the command is read back, channel 0 has [`READ_BACK_RANGE`].
 pub const RANGES: [Option<Range>; CHANNELS] =
     [None, Some(Range::Bipolar10V), Some(Range::Unipolar5V), Some(Range::Unipolar5V), None, None, None, None];
+
+/// Range of channel 0, which the command is read back by.
+pub const READ_BACK_RANGE: Range = Range::Bipolar10V;
+/// The command at the valve's end of its wire, on channel 0.
+pub const READ_BACK: Sensor = Sensor {
+    channel: 0,
+    low: Point { volts: -10.0, value: -10.0 },
+    high: Point { volts: 10.0, value: 10.0 },
+    working: Band { from_v: -10.05, to_v: 10.05 },
+    open: None,
+};
+/// How long the voltage read back may differ from the output.
+pub const READ_BACK_AWAY: Delay = Delay { by: 0.05, for_s: 0.005 };
 
 /// Encoder counts per metre of rod, all edges: a 3600-impulse encoder on a rack of 0.2 m per turn.
 pub const COUNTS_PER_M: f64 = 72_000.0;

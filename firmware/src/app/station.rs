@@ -13,13 +13,14 @@ use model_core::machine::{Bases, Machine, MachineError};
 use model_core::number::PerUnit;
 
 use super::press::{self, PressError};
+use crate::commissioning::{Commissioning, Refusal};
 use crate::control::{Control, Following, Predicted, Reference};
 use crate::io::ad5754::{Ad5754, Channel as Output, Reference as Supply};
 use crate::io::ads8688::Ads8688;
 use crate::io::ls7366r::{FilterClock, Ls7366r};
 use crate::io::{AnalogIn, AnalogOut, Cause, IoError, PositionIn};
-use crate::measured::Measured;
-use crate::period::{BeginError, Devices, Period, Place, Report, Request, Rig};
+use crate::measured::{AnalogSignal, Measured};
+use crate::period::{BeginError, Devices, InputVoltage, Period, Place, Report, Request, Rig};
 use crate::recorder::{Channel, Range, Recorder, RecorderError};
 use crate::supervision::{ActiveFaults, Deviation, DeviationLimits, Device, Log, Response};
 
@@ -76,6 +77,9 @@ pub struct Assembly {
     bases: Bases,
     rig: Rig,
     control: Press,
+    commissioning: Commissioning,
+    /// µV of 2¹⁶ counts of the inputs.
+    input_uv: u32,
     /// Rows that the recorder keeps from before its trigger.
     before: usize,
 }
@@ -99,7 +103,8 @@ impl Assembly {
         let bases = *reference.bases();
         let control = Following::new(Follower::new(machine, &press::tuning(machine), tick)?, reference);
         let rig = press::rig(machine, &bases, input_uv, output_uv)?;
-        let assembly = Self { bases, rig, control, before: 0 };
+        let commissioning = Commissioning::new(machine, &bases, &rig.limits);
+        let assembly = Self { bases, rig, control, commissioning, input_uv, before: 0 };
         assembly.recording_before(BEFORE_S)
     }
 
@@ -118,6 +123,18 @@ impl Assembly {
         }
     }
 
+    /// The same with the command read back at the valve ([`press::READ_BACK`]): a fault where it differs from the output. The commissioning needs it.
+    ///
+    /// # Errors
+    /// It does not fit the inputs.
+    pub fn reading_back(mut self) -> Result<Self, StationError> {
+        let Self { rig, bases, input_uv, .. } = &mut self;
+        let calibration = rig.calibration.with(AnalogSignal::Command, &press::READ_BACK, *input_uv, bases);
+        rig.calibration = calibration.map_err(PressError::from)?;
+        rig.limits = rig.limits.reading_back(press::READ_BACK_AWAY, bases).map_err(PressError::from)?;
+        Ok(self)
+    }
+
     /// The same with other limits of deviation than those by rule.
     ///
     /// # Errors
@@ -125,6 +142,7 @@ impl Assembly {
     pub fn deviating(mut self, deviation: &Deviation) -> Result<Self, StationError> {
         let limits = DeviationLimits::new(deviation, &self.bases).map_err(PressError::from)?;
         self.rig.limits.deviation = limits;
+        self.commissioning = self.commissioning.within(&self.rig.limits);
         Ok(self)
     }
 
@@ -150,7 +168,7 @@ impl Assembly {
         place: Place,
         memory: &mut Option<Ring>,
     ) -> Result<Station<'_, A, P, O>, StationError> {
-        let Self { bases, rig, control, before } = self;
+        let Self { bases, rig, control, commissioning, before, .. } = self;
         let channel = |name, unit, base, range| Channel { name, unit, base, range };
         let recorder = memory.insert(Recorder::new(
             [
@@ -168,7 +186,7 @@ impl Assembly {
             BeginError::Position(error) => StationError::of(Device::Position)(error.cause()),
             BeginError::Output(error) => StationError::of(Device::Output)(error.cause()),
         })?;
-        Ok(Station { bases, period, active_faults: ActiveFaults::NONE, recorder })
+        Ok(Station { bases, period, commissioning, active_faults: ActiveFaults::NONE, recorder })
     }
 
     /// Builds the station over the press's three parts, and sets these up: see [`wired`].
@@ -185,7 +203,12 @@ impl Assembly {
     ) -> Result<Wired<'a, I, C, D>, StationError> {
         let output = Ad5754::begin(output, delay, Output::A, Supply::External, self.neutral());
         let output = output.map_err(|error| StationError::of(Device::Output)(error.cause()))?;
-        let inputs = Ads8688::begin(inputs, press::RANGES);
+        let mut ranges = press::RANGES;
+        if self.rig.calibration.row(AnalogSignal::Command).is_some() {
+            let [command, ..] = &mut ranges;
+            *command = Some(press::READ_BACK_RANGE);
+        }
+        let inputs = Ads8688::begin(inputs, ranges);
         let inputs = inputs.map_err(|error| StationError::of(Device::Inputs)(error.cause()))?;
         let position = Ls7366r::begin(counter, FilterClock::Undivided);
         let position = position.map_err(|error| StationError::of(Device::Position)(error.cause()))?;
@@ -210,11 +233,27 @@ pub fn wired<'a, I: SpiDevice, C: SpiDevice, D: SpiDevice>(
     Assembly::new(Ads8688::<I>::SPAN_UV, Ad5754::<D>::SPAN_UV)?.wired(inputs, counter, output, delay, memory)
 }
 
+/// The same with the command read back: [`Assembly::reading_back`].
+///
+/// # Errors
+/// As [`wired`].
+pub fn wired_read_back<'a, I: SpiDevice, C: SpiDevice, D: SpiDevice>(
+    inputs: I,
+    counter: C,
+    output: D,
+    delay: &mut impl DelayNs,
+    memory: &'a mut Option<Ring>,
+) -> Result<Wired<'a, I, C, D>, StationError> {
+    let assembly = Assembly::new(Ads8688::<I>::SPAN_UV, Ad5754::<D>::SPAN_UV)?.reading_back()?;
+    assembly.wired(inputs, counter, output, delay, memory)
+}
+
 /// Period and recorder.
 #[derive(Debug)]
 pub struct Station<'a, A, P, O> {
     bases: Bases,
     period: Period<A, P, O, Press>,
+    commissioning: Commissioning,
     /// Faults after the last period: a new one triggers the recorder.
     active_faults: ActiveFaults,
     recorder: &'a mut Ring,
@@ -244,6 +283,27 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
         self.period.home(position)
     }
 
+    /// Whether the rod's place is known: [`Period::place`].
+    pub fn place(&self) -> Place {
+        self.period.place()
+    }
+
+    /// What the steps of the commissioning expect of this machine.
+    #[must_use]
+    pub fn commissioning(&self) -> Commissioning {
+        self.commissioning
+    }
+
+    /// A command in place of the loops' in the next period: [`Period::put_out_by_hand`].
+    pub fn put_out_by_hand(&mut self, command: PerUnit) {
+        self.period.put_out_by_hand(command);
+    }
+
+    /// The voltage of a signal's input, if it has a sensor: [`Period::voltage`].
+    pub fn voltage(&mut self, signal: AnalogSignal) -> Option<Result<InputVoltage, Refusal>> {
+        self.period.voltage(signal).map_err(|_| Refusal::Silent).transpose()
+    }
+
     /// Changes what the monitor's alarm leads to: [`Period::answer_alarms`].
     pub fn answer_alarms(&mut self, response: Option<Response>) {
         self.period.answer_alarms(response);
@@ -257,6 +317,11 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
     /// The recorder deletes all rows and waits for the next trigger; the monitor may give an alarm again.
     pub fn arm(&mut self) {
         self.recorder.arm();
+        self.period.arm_monitor();
+    }
+
+    /// The monitor forgets what it has seen: [`Period::arm_monitor`].
+    pub fn arm_monitor(&mut self) {
         self.period.arm_monitor();
     }
 

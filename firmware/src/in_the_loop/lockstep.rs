@@ -20,6 +20,7 @@ use model_core::number::PerUnit;
 
 use super::remote::{MOST_BYTES, RemoteError, SerialLine};
 use crate::app::{Ring, StationError, press, wired};
+use crate::commissioning::Note;
 use crate::monitor::Miss;
 use crate::period::{Answer, Report, Request, Timing, Watchdog};
 use crate::recorder::frame::{FrameError, FrameWriter};
@@ -163,6 +164,10 @@ impl<L: Log> Log for Heard<'_, L> {
 
     fn alarm(&mut self, miss: &Miss) {
         self.log.alarm(miss);
+    }
+
+    fn commissioning(&mut self, note: &Note) {
+        self.log.commissioning(note);
     }
 }
 

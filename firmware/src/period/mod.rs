@@ -27,7 +27,7 @@ use model_core::number::{Number, PerUnit};
 
 use crate::control::{Control, Predicted};
 use crate::io::{AnalogIn, AnalogOut, IoError, PositionIn};
-use crate::measured::Measured;
+use crate::measured::{AnalogSignal, Measured};
 use crate::monitor::{Monitor, MonitorState};
 use crate::scaling::{Calibration, Travel};
 use crate::set_point::{Followed, Refusal, SetPoint};
@@ -37,7 +37,7 @@ use crate::supervision::{
     Action, ActiveFaults, Command, Device, Event, Fault, Findings, Limits, LimitsError, Log, Mode, Response,
 };
 
-pub use report::{Answer, Place, Report, Request, Timing, Watchdog};
+pub use report::{Answer, InputVoltage, Place, Report, Request, Timing, Watchdog};
 
 /// The devices of a rig.
 #[derive(Debug)]
@@ -85,6 +85,8 @@ pub struct PeriodState {
     command: PerUnit,
     /// Command that the output holds, where that is certain.
     put_out: Option<PerUnit>,
+    /// Command of the next period in place of the loops'.
+    by_hand: Option<PerUnit>,
 }
 
 /// Why a rig does not begin.
@@ -142,6 +144,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             watched: MonitorState::AT_REST,
             command: limits.neutral,
             put_out: Some(limits.neutral),
+            by_hand: None,
         };
         Ok(Self { devices, rig, control, state })
     }
@@ -158,6 +161,36 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         neutral
     }
 
+    /// In the next period this command, in units of 10 V, is put out in place of the loops'; within size and slew, and with every check. While the rod
+    /// follows, the model goes along. In mode starting the valve has no current meanwhile ([`Report::energised`]). In other modes it does nothing.
+    ///
+    /// For [commissioning](crate::commissioning). Loops that go on afterwards start from where they stood.
+    pub fn put_out_by_hand(&mut self, command: PerUnit) {
+        self.state.by_hand = Some(command);
+    }
+
+    /// Reads the voltage of a signal's input, between two periods; `None` where it has no sensor.
+    ///
+    /// # Errors
+    /// The inputs do not answer.
+    pub fn voltage(&mut self, signal: AnalogSignal) -> Result<Option<InputVoltage>, A::Error> {
+        let Some(row) = self.rig.calibration.row(signal) else { return Ok(None) };
+        let count = ask(self.rig.limits.attempts, || self.devices.inputs.convert(row.channel()))?;
+        let millivolts = |count: i32| {
+            // 2¹⁶ counts are so many µV.
+            let microvolts = (i64::from(count) * i64::from(A::SPAN_UV)) >> 16;
+            i32::try_from(microvolts / 1000).unwrap_or(i32::MAX)
+        };
+        let [from, to] = row.working();
+        let (found_mv, from_mv, to_mv) = (millivolts(count), millivolts(from), millivolts(to));
+        Ok(Some(InputVoltage { signal, found_mv, from_mv, to_mv }))
+    }
+
+    /// Whether the rod's place is known.
+    pub fn place(&self) -> Place {
+        self.state.place
+    }
+
     /// One period, called once a tick.
     pub fn step(&mut self, request: &Request, log: &mut impl Log) -> Report {
         let before = self.state.mode;
@@ -166,7 +199,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             found.note(&Fault::Overrun);
         }
         let predicted = self.state.mode.is_running().then(|| self.control.predicted());
-        let measured = self.sense(predicted, &mut found);
+        let (measured, read_back) = self.sense(predicted, &mut found);
         let spool_off = predicted.and_then(|_| self.control.spool_off(&measured));
         let alarm = self.monitor(predicted, spool_off, &measured, &mut found);
         self.deviate(predicted, spool_off, &measured, &mut found);
@@ -184,6 +217,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         Report {
             mode: self.state.mode,
             measured,
+            read_back,
             predicted,
             command: self.state.command,
             followed: self.state.followed.at,
@@ -241,7 +275,12 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         self.devices
     }
 
-    fn sense<L: Log>(&mut self, predicted: Option<Predicted>, found: &mut Findings<'_, L>) -> Measured {
+    /// The measured values, and the command that was read back.
+    fn sense<L: Log>(
+        &mut self,
+        predicted: Option<Predicted>,
+        found: &mut Findings<'_, L>,
+    ) -> (Measured, Option<PerUnit>) {
         let Self { devices, rig, state, .. } = self;
         let limits = &rig.limits;
         let expected = Expected { predicted, put_out: state.put_out };
@@ -255,7 +294,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
                 found.note(&Fault::OutputAway { command, found: back });
             }
         }
-        measured
+        (measured, read_back)
     }
 
     /// Passes the faults to the state machine.
@@ -328,14 +367,20 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
     /// The command of this period.
     fn command(&mut self, measured: &Measured) -> PerUnit {
         let Limits { neutral, most_command, slew, ramp, .. } = self.rig.limits;
-        let last = self.state.command;
-        match self.state.mode {
-            Mode::Starting | Mode::Neutral => neutral,
-            Mode::Following | Mode::Holding => {
+        let (last, by_hand) = (self.state.command, self.state.by_hand.take());
+        match (self.state.mode, by_hand) {
+            (Mode::Starting, Some(command)) => command.limited(most_command),
+            (Mode::Starting | Mode::Neutral, _) => neutral,
+            (Mode::Following, Some(wanted)) => {
+                let command = last + (wanted.limited(most_command) - last).limited(slew);
+                self.control.accompany(command, measured);
+                command
+            }
+            (Mode::Following | Mode::Holding, _) => {
                 let wanted = self.control.follow(self.state.followed.at, measured).limited(most_command);
                 last + (wanted - last).limited(slew)
             }
-            Mode::RampingDown => {
+            (Mode::RampingDown, _) => {
                 let command = last + (neutral - last).limited(ramp);
                 self.control.accompany(command, measured);
                 command

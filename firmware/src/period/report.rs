@@ -3,7 +3,7 @@
 use model_core::number::PerUnit;
 
 use crate::control::Predicted;
-use crate::measured::Measured;
+use crate::measured::{AnalogSignal, Measured};
 use crate::monitor::Miss;
 use crate::set_point::SetPoint;
 use crate::supervision::{ActiveFaults, Command, Mode};
@@ -63,6 +63,20 @@ pub enum Watchdog {
     Withhold,
 }
 
+/// The voltage of an input, beside what a working sensor gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct InputVoltage {
+    /// Of this signal.
+    pub signal: AnalogSignal,
+    /// Found, mV.
+    pub found_mv: i32,
+    /// The least that a working sensor gives, mV.
+    pub from_mv: i32,
+    /// The most, mV.
+    pub to_mv: i32,
+}
+
 /// Result of a period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Report {
@@ -70,6 +84,8 @@ pub struct Report {
     pub mode: Mode,
     /// What the sensors measured.
     pub measured: Measured,
+    /// The voltage at the valve's end of its wire, in units of 10 V, where it is read back.
+    pub read_back: Option<PerUnit>,
     /// What the model predicted for the same time, before its step; `None` while it does not run.
     pub predicted: Option<Predicted>,
     /// The command that was put out, in units of 10 V.

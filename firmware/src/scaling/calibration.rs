@@ -104,6 +104,12 @@ impl Row {
         self.channel
     }
 
+    /// Lowest and highest count of a working sensor.
+    #[must_use]
+    pub fn working(&self) -> [i32; 2] {
+        [self.working.lowest, self.working.highest]
+    }
+
     /// What a count means.
     #[must_use]
     pub fn read(&self, count: i32) -> Reading {
@@ -138,13 +144,31 @@ impl Calibration {
         output_uv: u32,
         bases: &Bases,
     ) -> Result<Self, CalibrationError> {
-        let mut rows = [None; AnalogSignal::COUNT];
-        for (signal, sensor) in sensors {
-            if let Some(row) = rows.get_mut(*signal as usize) {
-                *row = Some(Row::new(*signal, sensor, inputs_uv, bases)?);
-            }
+        let none = Self { rows: [None; AnalogSignal::COUNT], output: Output::new(actuator, output_uv)? };
+        sensors.iter().try_fold(none, |table, (signal, sensor)| table.with(*signal, sensor, inputs_uv, bases))
+    }
+
+    /// The same with another sensor, on inputs whose 2¹⁶ counts are `inputs_uv` µV.
+    ///
+    /// # Errors
+    /// The sensor is not valid.
+    pub fn with(
+        mut self,
+        signal: AnalogSignal,
+        sensor: &Sensor,
+        inputs_uv: u32,
+        bases: &Bases,
+    ) -> Result<Self, CalibrationError> {
+        if let Some(row) = self.rows.get_mut(signal as usize) {
+            *row = Some(Row::new(signal, sensor, inputs_uv, bases)?);
         }
-        Ok(Self { rows, output: Output::new(actuator, output_uv)? })
+        Ok(self)
+    }
+
+    /// The row of a signal, if it has a sensor.
+    #[must_use]
+    pub fn row(&self, signal: AnalogSignal) -> Option<&Row> {
+        self.rows.get(signal as usize)?.as_ref()
     }
 
     /// Every signal with its row, if it has one, in the order of [`AnalogSignal::ALL`].

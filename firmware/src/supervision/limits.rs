@@ -176,6 +176,14 @@ impl Limits {
         Ok(limits)
     }
 
+    /// The same with the command read back, which may be off for so long.
+    ///
+    /// # Errors
+    /// The limit does not fit.
+    pub fn reading_back(self, away: Delay, bases: &Bases) -> Result<Self, LimitsError> {
+        Ok(Self { read_back: patience("read_back", Some(away), bases.command_v, bases.tick_s)?, ..self })
+    }
+
     /// Checks what the period relies on.
     ///
     /// # Errors

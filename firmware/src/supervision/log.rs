@@ -1,7 +1,8 @@
-//! What a period logs: faults when they are entered, changes of the mode, the monitor's alarm.
+//! What a period logs: faults when they are entered, changes of the mode, the monitor's alarm; and what the commissioning tells.
 
 use super::fault::{ActiveFaults, Fault, Response};
 use super::mode::Mode;
+use crate::commissioning::Note;
 use crate::monitor::Miss;
 
 /// Receiver of these messages. `()` ignores them.
@@ -12,12 +13,15 @@ pub trait Log {
     fn mode(&mut self, from: Mode, to: Mode);
     /// The model no longer predicts what a sensor shows; logged once until the monitor is reset.
     fn alarm(&mut self, miss: &Miss);
+    /// A step of the commissioning began, measured something, passed or was refused.
+    fn commissioning(&mut self, note: &Note);
 }
 
 impl Log for () {
     fn fault(&mut self, _: &Fault) {}
     fn mode(&mut self, _: Mode, _: Mode) {}
     fn alarm(&mut self, _: &Miss) {}
+    fn commissioning(&mut self, _: &Note) {}
 }
 
 /// Logs everything by defmt: faults as errors, alarms as warnings, modes as information.
@@ -43,6 +47,13 @@ impl Log for Defmt {
             off,
             miss.square()
         );
+    }
+    fn commissioning(&mut self, note: &Note) {
+        let words = defmt::Display2Format(note);
+        match note {
+            Note::Begun(_) | Note::Measured(..) | Note::Passed(_) => defmt::info!("{}", words),
+            Note::Refused(..) => defmt::error!("{}", words),
+        }
     }
 }
 

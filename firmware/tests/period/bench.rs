@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use firmware::commissioning::Note;
 use firmware::control::{Control, Predicted, Reference};
 use firmware::io::{AnalogIn, AnalogOut, FromFn, PositionIn};
 use firmware::measured::{AnalogSignal, Measured};
@@ -100,6 +101,7 @@ impl Log for Told {
         self.modes.push((from, to));
     }
     fn alarm(&mut self, _: &Miss) {}
+    fn commissioning(&mut self, _: &Note) {}
 }
 
 pub(crate) fn percent(value: i32) -> PerUnit {
@@ -233,6 +235,7 @@ pub(crate) struct Bench {
 pub(crate) trait Steps {
     fn step(&mut self, request: &Request, log: &mut Told) -> Report;
     fn home(&mut self, position: PerUnit) -> bool;
+    fn put_out_by_hand(&mut self, command: PerUnit);
     fn state(&self) -> PeriodState;
     fn restore(&mut self, state: &PeriodState);
 }
@@ -243,6 +246,9 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Steps for Period<A, P
     }
     fn home(&mut self, position: PerUnit) -> bool {
         Period::home(self, position)
+    }
+    fn put_out_by_hand(&mut self, command: PerUnit) {
+        Period::put_out_by_hand(self, command);
     }
     fn state(&self) -> PeriodState {
         *Period::state(self)

@@ -147,3 +147,27 @@ fn a_set_point_that_is_refused_at_speed_comes_to_rest_at_the_permitted_accelerat
     let way_m = (before - from).to_f64() * bases.stroke_m;
     assert!((way_m - 1.25e-3).abs() < 0.05e-3, "{way_m}");
 }
+
+#[test]
+fn a_command_by_hand_holds_for_a_period_of_starting_or_following_and_for_none_of_another_mode() {
+    let mut bench = Bench::new();
+    bench.run(20);
+    bench.period.put_out_by_hand(percent(5));
+    let report = bench.command(None);
+    assert_eq!((report.mode, report.command, report.energised), (Mode::Starting, percent(5), false));
+    assert_eq!(bench.command(None).command, limits().neutral);
+
+    let mut bench = Bench::following();
+    bench.period.put_out_by_hand(percent(-90));
+    let (report, slew) = (bench.command(None), limits().slew);
+    assert_eq!((report.mode, report.command), (Mode::Following, percent(50) - slew));
+    assert!(bench.command(None).command > report.command, "the loops go on");
+
+    bench.command(Some(Command::Stop));
+    for _ in 0..100 {
+        bench.period.put_out_by_hand(percent(90));
+        let report = bench.command(None);
+        assert!(report.mode != Mode::Neutral || report.command == limits().neutral, "{report:?}");
+        assert!(report.command < percent(50));
+    }
+}

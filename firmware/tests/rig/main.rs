@@ -1,5 +1,6 @@
 //! Does the whole io layer work with parts that behave as their data sheets say, and does it find what can go wrong with them?
 
+mod commissioning;
 mod desk;
 mod failing;
 mod following;
@@ -8,6 +9,7 @@ mod power;
 mod runaway;
 mod world;
 
+use firmware::commissioning::Note;
 use firmware::control::{Control, Predicted};
 use firmware::io::Cause;
 use firmware::measured::{AnalogSignal, Measured};
@@ -58,6 +60,7 @@ impl Log for Told {
     }
     fn mode(&mut self, _: Mode, _: Mode) {}
     fn alarm(&mut self, _: &Miss) {}
+    fn commissioning(&mut self, _: &Note) {}
 }
 
 /// Change of a set point in a period, of the stroke: 90 mm/s.

@@ -13,7 +13,7 @@ use defmt_rtt as _;
 use embedded_hal::spi::{MODE_0, MODE_1};
 use embedded_hal_bus::spi::ExclusiveDevice;
 use firmware::app::press::{BOUNDS, TICK_NS, values};
-use firmware::app::{Desk, Ring, wired};
+use firmware::app::{Desk, Ring, wired_read_back};
 use firmware::board::stack;
 use firmware::period::{Answer, Timing, Watchdog};
 use firmware::set_point::Bounds;
@@ -97,7 +97,7 @@ fn run(board: Peripherals, mut core: cortex_m::Peripherals, memory: &'static mut
     keys::listen(typed);
 
     delay.delay_ms(POWER_UP_MS);
-    let mut desk = match wired(inputs, counter, output, &mut delay, memory) {
+    let mut desk = match wired_read_back(inputs, counter, output, &mut delay, memory) {
         Ok(station) => Desk::new(station, BY_HAND),
         Err(error) => return defmt::error!("{}", Display2Format(&error)),
     };
