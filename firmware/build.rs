@@ -25,6 +25,11 @@ fn main() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     println!("cargo:rerun-if-changed={}", root.join("memory.x").display());
     println!("cargo:rerun-if-changed=build.rs");
+    // The memory protection of ARMv8-M has other registers.
+    println!("cargo:rustc-check-cfg=cfg(armv8m)");
+    if env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv8m")) {
+        println!("cargo:rustc-cfg=armv8m");
+    }
     if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
         // For this crate's binaries alone: a board that uses the library has a memory of its own.
         println!("cargo:rustc-link-arg-bins=-L{}", root.display());

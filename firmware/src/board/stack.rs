@@ -31,13 +31,18 @@ pub fn used_by<T>(work: impl FnOnce() -> T) -> (T, usize) {
 }
 
 /// Size of the guard, bytes: a power of two, as `memory.x` aligns the end of the stack.
+#[cfg(not(armv8m))]
 const GUARD_BITS: u32 = 10;
 
 /// Makes the lowest kilobyte of the stack a place that nobody may touch: a stack that overflows is a fault, before it overwrites anything. Without
 /// a handler of its own the processor then stands still, and the watchdog restarts it.
 ///
 /// The linker script has to put the stack at the bottom of the memory, from a whole kilobyte `_stack_end` on; a frame that is larger than the guard then ends where
-/// there is no memory.
+/// there is no memory. The memory protection is that of ARMv6-M and ARMv7-M.
+///
+/// # Panics
+/// `_stack_end` is not at a whole kilobyte.
+#[cfg(not(armv8m))]
 #[expect(
     unsafe_code,
     reason = "the registers of the memory protection are written, and the linker's symbol has an address only"
