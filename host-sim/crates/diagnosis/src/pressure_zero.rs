@@ -4,10 +4,10 @@
 //! pressures above the air: one offset that all pressures share looks like a load, and like unequal edges.
 
 use identification::experiment::Prepared;
-use identification::fit::{Fit, FitError, Residuals, Sensitivity};
+use identification::fit::{Fit, Residuals};
 use machine_file::MachineFile;
 use model_core::machine::{Machine, Tick};
-use recording::{ATMOSPHERE_PA, PressureZero, Recording, Signal};
+use recording::{PressureZero, Recording, Signal};
 
 use crate::base_parameters::base_parameters;
 use crate::catalogue::Scene;
@@ -56,9 +56,6 @@ pub fn read_absolute(file: &MachineFile, training: &[Recording], tick: Option<Ti
     };
     let base = base_parameters(file);
     let near = Candidate::tolerated(&scene, &base, &mut gauge)?;
-    if !may_explain(&near, &gauge.iter().collect::<Vec<_>>())? {
-        return Ok(false);
-    }
     // Both are compared by the same loss.
     for (case, other) in absolute.iter_mut().zip(&gauge) {
         for (channel, other) in case.channels.iter_mut().zip(&other.channels) {
@@ -76,23 +73,6 @@ pub fn read_absolute(file: &MachineFile, training: &[Recording], tick: Option<Ti
     let of = |signals: &[Signal]| gain(&question, &before.residuals, &after.residuals, signals);
     let each = BOTH.iter().all(|signal| of(&[*signal]) > ABSOLUTE_GAINS);
     Ok(each && explained > ABSOLUTE_EXPLAINS && of(&judged) + straightened(&question, &before, &after) > ABSOLUTE_GAINS)
-}
-
-/// Whether a first look without a refit leaves it open: of the misfit above noise, at least half would go with the pressure of the air if every residual
-/// changed in proportion to the base parameters. The pressure of the air is small beside that of a supply, so nearly all goes where the sensors are absolute.
-fn may_explain(near: &Fit, gauge: &[&Prepared]) -> Result<bool, DiagnoseError> {
-    const LEAST: f64 = 0.5;
-    let Some(sensitivity) = Sensitivity::at(near, gauge).map_err(FitError::from)? else { return Ok(true) };
-    let mut raised = sensitivity.simulated(&near.machine).map_err(FitError::from)?;
-    for (values, case) in raised.iter_mut().zip(gauge) {
-        for row in values.chunks_exact_mut(case.channels.len()) {
-            for (value, channel) in row.iter_mut().zip(&case.channels) {
-                *value += if channel.signal.is_pressure() { ATMOSPHERE_PA } else { 0.0 };
-            }
-        }
-    }
-    let gain = sensitivity.settle(&sensitivity.change(&raised)).gain;
-    Ok(gain > (LEAST * sensitivity.misfit_above_noise()).max(ABSOLUTE_GAINS))
 }
 
 /// The recordings as a search looks at them.
