@@ -96,7 +96,18 @@ impl Envelope {
     /// Whether this set point by itself is permitted.
     #[must_use]
     pub fn admits(&self, set_point: SetPoint) -> bool {
-        (self.from..=self.to).contains(&set_point.position) && set_point.velocity.magnitude() <= self.velocity
+        self.admits_from(self.from, set_point)
+    }
+
+    /// The same for one that follows a set point `here`.
+    fn admits_from(&self, here: PerUnit, set_point: SetPoint) -> bool {
+        let [from, to] = self.bounds_from(here);
+        (from..=to).contains(&set_point.position) && set_point.velocity.magnitude() <= self.velocity
+    }
+
+    /// The bounds as they are `here`: from outside them a set point may come in, and go no farther out.
+    fn bounds_from(&self, here: PerUnit) -> [PerUnit; 2] {
+        [Ord::min(self.from, here), Ord::max(self.to, here)]
     }
 
     /// Whether `wanted` may follow `followed`; the first one may be as far away as `jump`, in strokes.
@@ -104,10 +115,8 @@ impl Envelope {
     /// # Errors
     /// It may not.
     pub fn next(&self, followed: &Followed, wanted: SetPoint, jump: PerUnit) -> Result<Followed, Refusal> {
-        let (pace, here) = (wanted.position - followed.at.position, followed.at.position);
-        // From outside the bounds it may come in, and go no farther out.
-        let within = Ord::min(self.from, here)..=Ord::max(self.to, here);
-        if !within.contains(&wanted.position) || wanted.velocity.magnitude() > self.velocity {
+        let pace = wanted.position - followed.at.position;
+        if !self.admits_from(followed.at.position, wanted) {
             return Err(Refusal::Outside);
         }
         if pace.magnitude() > if followed.given { self.pace } else { jump } {
@@ -127,8 +136,8 @@ impl Envelope {
     pub fn braked(&self, followed: &Followed) -> Followed {
         let moved = followed.pace.limited(self.cruise);
         let (pace, here) = (moved - moved.limited(self.brake), followed.at.position);
-        // `clamp` would panic if the bounds were in the wrong order. A set point from outside the bounds, where the rod was found, goes no farther out.
-        let (from, to) = (Ord::min(self.from, here), Ord::max(self.to, here));
+        let [from, to] = self.bounds_from(here);
+        // `clamp` would panic if the bounds were in the wrong order.
         let position = Ord::max(from, Ord::min(to, here + pace));
         // At a bound it stands.
         let pace = if position == here { PerUnit::ZERO } else { pace };

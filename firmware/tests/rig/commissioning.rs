@@ -170,8 +170,7 @@ fn on(machine: &Machine<f64>, wrong: Wrong, script: Script<'_>) -> Ended {
     world.tick();
     let (mut memory, mut heard) = (None, Heard::default());
     let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
-    let (inputs, counter, output) =
-        (world.wire(&world.adc, 0), world.wire(&world.counter, 1), world.wire(&world.dac, 2));
+    let (inputs, counter, output) = world.wires();
     let mut desk = Desk::new(wired_read_back(inputs, counter, output, delay, &mut memory).unwrap(), BY_HAND);
     let stood_m = world.position_m;
     let mut moved_m = 0.0_f64;
@@ -278,13 +277,10 @@ fn a_drive_slower_than_its_model_is_refused_at_its_tuning() {
 
 #[test]
 fn steps_wait_for_those_before_them_and_other_moves_for_their_end() {
-    let mut world = World::new(plant(&press::machine(), Rc::new(Cell::new(HEALTHY))));
-    world.output = 0;
-    world.tick();
+    let mut world = World::of_press(plant(&press::machine(), Rc::new(Cell::new(HEALTHY))));
     let (mut memory, mut heard) = (None, Heard::default());
     let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
-    let (inputs, counter, output) =
-        (world.wire(&world.adc, 0), world.wire(&world.counter, 1), world.wire(&world.dac, 2));
+    let (inputs, counter, output) = world.wires();
     let mut desk = Desk::new(wired_read_back(inputs, counter, output, delay, &mut memory).unwrap(), BY_HAND);
     let mut run = |desk: &mut Desk<'_, _, _, _>, keys: &str, periods| {
         let result = keys.bytes().try_for_each(|key| desk.key(key));
@@ -314,13 +310,10 @@ fn steps_wait_for_those_before_them_and_other_moves_for_their_end() {
 #[test]
 fn a_fault_on_the_way_leads_where_it_always_does_and_refuses_the_step() {
     let hall = Rc::new(Cell::new(HEALTHY));
-    let mut world = World::new(plant(&press::machine(), hall.clone()));
-    world.output = 0;
-    world.tick();
+    let mut world = World::of_press(plant(&press::machine(), hall.clone()));
     let (mut memory, mut heard) = (None, Heard::default());
     let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
-    let (inputs, counter, output) =
-        (world.wire(&world.adc, 0), world.wire(&world.counter, 1), world.wire(&world.dac, 2));
+    let (inputs, counter, output) = world.wires();
     let mut desk = Desk::new(wired_read_back(inputs, counter, output, delay, &mut memory).unwrap(), BY_HAND);
     let mut run = |supply_pa, keys: &str, periods: u32, broken: bool| {
         hall.set(Hall { supply_pa, ..hall.get() });

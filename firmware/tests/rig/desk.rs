@@ -40,13 +40,10 @@ fn typed<A: AnalogIn, P: PositionIn, O: AnalogOut>(
 
 #[test]
 fn keys_move_the_rod_and_bring_its_record_out() {
-    let mut world = World::new(plant(&press::machine()));
-    world.output = 0;
-    world.tick();
+    let mut world = World::of_press(plant(&press::machine()));
     let (mut memory, mut told) = (None, Told::default());
     let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
-    let (inputs, counter, output) =
-        (world.wire(&world.adc, 0), world.wire(&world.counter, 1), world.wire(&world.dac, 2));
+    let (inputs, counter, output) = world.wires();
     let station = wired(inputs, counter, output, delay, &mut memory).unwrap();
     let mut desk = Desk::new(station, BY_HAND);
     let mut typed = |desk: &mut _, keys, periods| typed(desk, &mut world, &mut told, keys, periods);
@@ -90,13 +87,10 @@ fn keys_move_the_rod_and_bring_its_record_out() {
 
 #[test]
 fn a_fault_freezes_the_recorder_with_as_much_from_before_it_as_was_asked_for() {
-    let mut world = World::new(plant(&press::machine()));
-    world.output = 0;
-    world.tick();
+    let mut world = World::of_press(plant(&press::machine()));
     let (mut memory, mut told) = (None, Told::default());
     let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
-    let (inputs, counter, output) =
-        (world.wire(&world.adc, 0), world.wire(&world.counter, 1), world.wire(&world.dac, 2));
+    let (inputs, counter, output) = world.wires();
     let assembly = Assembly::new(5_120_000, 20_000_000).unwrap().recording_before(2.5).unwrap();
     let mut station = assembly.wired(inputs, counter, output, delay, &mut memory).unwrap();
     assert!(station.home(PerUnit::saturated(0.4)));

@@ -98,6 +98,19 @@ impl World {
         world
     }
 
+    /// With the valve at the press's own output.
+    pub(crate) fn of_press(plant: Plant) -> Self {
+        let mut world = Self::new(plant);
+        world.output = 0;
+        world.tick();
+        world
+    }
+
+    /// The buses of all three parts: inputs, counter, output.
+    pub(crate) fn wires(&self) -> (Wire<Adc>, Wire<Counter>, Wire<Dac>) {
+        (self.wire(&self.adc, 0), self.wire(&self.counter, 1), self.wire(&self.dac, 2))
+    }
+
     pub(crate) fn wire<P>(&self, part: &Rc<RefCell<P>>, line: usize) -> Wire<P> {
         Wire { part: part.clone(), line: self.lines[line].clone(), bytes: self.bytes.clone() }
     }

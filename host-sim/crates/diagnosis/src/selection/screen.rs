@@ -175,7 +175,7 @@ fn best(
         // A point that is no valid drive is no lead.
         (predicted.form, lead(scene, fit, sensitivity, effect, form, predicted).ok().flatten())
     });
-    let changed = parallel::each(changed(scene, fit, forms), |(index, values)| {
+    let changed = parallel::each(points_of_change(scene, fit, forms), |(index, values)| {
         let (effect, form) = forms[index];
         let lead = Lead::at(sensitivity, fit, effect, form, values).ok();
         (index, lead.filter(|lead| lead.gain > 0.0))
@@ -196,7 +196,7 @@ fn best(
 
 /// Of each form of an effect that may have changed, points with more or less of one of its amounts, however small a change the derivatives predict: the base
 /// parameters make up for much of a change, and a slope there says little of what is far away.
-fn changed(scene: &Scene<'_>, fit: &Fit, forms: &[(&'static Hypothesis, Form)]) -> Vec<(usize, Values)> {
+fn points_of_change(scene: &Scene<'_>, fit: &Fit, forms: &[(&'static Hypothesis, Form)]) -> Vec<(usize, Values)> {
     /// How much there is of what there was.
     const TRIED: [f64; 4] = [0.4, 0.7, 1.5, 2.5];
     let of_form = |(index, (_, form)): (usize, &(&'static Hypothesis, Form))| {
