@@ -171,3 +171,18 @@ fn a_command_by_hand_holds_for_a_period_of_starting_or_following_and_for_none_of
         assert!(report.command < percent(50));
     }
 }
+
+#[test]
+fn a_controller_that_has_only_started_and_a_lost_place_ask_for_the_oil_to_be_cut_off() {
+    // Whoever stops does not say that all is well.
+    let mut bench = Bench::new();
+    assert!(bench.run(100).shut_off && bench.command(Some(Command::Stop)).shut_off);
+    assert!(!bench.command(Some(Command::Acknowledge)).shut_off && !bench.run(100).shut_off);
+
+    let world = Rc::new(RefCell::new(World::new()));
+    let begun = Period::begin(devices(&world), rig(limits()), Wanting(world.clone()), Place::Lost).unwrap();
+    let mut bench = Bench { period: Box::new(begun), world, ..Bench::new() };
+    assert!(bench.command(Some(Command::Acknowledge)).shut_off && bench.run(100).shut_off);
+    assert!(bench.period.home(percent(30)));
+    assert!(!bench.run(1).shut_off);
+}
