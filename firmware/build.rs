@@ -1,41 +1,19 @@
-//! Takes in the drive's values and commands that are to be counted, and links binaries for the emulated boards: the start-up's linker script, with the memory of
-//! `memory.x` at the root, and that of the log's texts where there is a log.
+//! Takes in the drive's values.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::{env, fs};
 
-/// A file that is compiled in: the variable that names it, its name where that is not set and in the code, what it should be.
-type Taken = (&'static str, &'static str, &'static str);
-
-const TAKEN: [Taken; 2] = [
-    ("FIRMWARE_MACHINE", "machine.rs", "what `host-sim export` writes"),
-    ("FIRMWARE_COMMANDS", "commands.rs", "a list of names and commands, as in firmware/commands.rs"),
-];
+/// The variable that names the file with the values, and the file without it; its name in the code.
+const VARIABLE: &str = "FIRMWARE_MACHINE";
+const NAME: &str = "machine.rs";
 
 fn main() {
     let folder = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
-    for (variable, name, expected) in TAKEN {
-        println!("cargo:rerun-if-env-changed={variable}");
-        let file = env::var_os(variable).map_or_else(|| name.into(), PathBuf::from);
-        println!("cargo:rerun-if-changed={}", file.display());
-        if let Err(error) = fs::copy(&file, folder.join(name)) {
-            println!("cargo:error={}: cannot be taken in: {error}; expected {expected}", file.display());
-        }
-    }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    println!("cargo:rerun-if-changed={}", root.join("memory.x").display());
     println!("cargo:rerun-if-changed=build.rs");
-    // The memory protection of ARMv8-M has other registers.
-    println!("cargo:rustc-check-cfg=cfg(armv8m)");
-    if env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv8m")) {
-        println!("cargo:rustc-cfg=armv8m");
-    }
-    if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
-        // For this crate's binaries alone: a board that uses the library has a memory of its own.
-        println!("cargo:rustc-link-arg-bins=-L{}", root.display());
-        println!("cargo:rustc-link-arg-bins=-Tlink.x");
-        if env::var_os("CARGO_FEATURE_DEFMT").is_some() {
-            println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
-        }
+    println!("cargo:rerun-if-env-changed={VARIABLE}");
+    let file = env::var_os(VARIABLE).map_or_else(|| NAME.into(), PathBuf::from);
+    println!("cargo:rerun-if-changed={}", file.display());
+    if let Err(error) = fs::copy(&file, folder.join(NAME)) {
+        println!("cargo:error={}: cannot be taken in: {error}; expected what `host-sim export` writes", file.display());
     }
 }

@@ -1,7 +1,7 @@
 //! The reference model on a controller.
 //!
 //! Data flow on the target: counts → measured → reference → command → counts. This crate holds everything that is the same on every
-//! board, and is tested on the host; boards and binaries contain only wiring.
+//! board, and is tested on the host; boards are crates of their own (`firmware/boards`) and contain only wiring.
 //!
 //! ```text
 //! io ─ scaling ─ measured ─ supervision ─ control (reference inside) ─ supervision's limits ─ scaling ─ io
@@ -31,11 +31,8 @@
 extern crate std;
 
 pub mod app;
-#[cfg(all(target_arch = "arm", target_os = "none"))]
-pub mod board;
 pub mod commissioning;
 pub mod control;
-pub mod in_the_loop;
 pub mod io;
 pub mod measured;
 #[cfg(test)]
@@ -46,7 +43,6 @@ pub mod recorder;
 pub mod scaling;
 pub mod set_point;
 pub mod supervision;
-pub mod trial;
 
 /// The README's code.
 #[cfg(doctest)]

@@ -9,9 +9,11 @@ use serde_json::Value;
 use super::root;
 
 /// The libraries, lowest first, with the workspace crates that each may depend on. A library must not use a crate that is not listed for it.
-const ALLOWED: [(&str, &[&str]); 13] = [
+const ALLOWED: [(&str, &[&str]); 15] = [
     ("model-core", &[]),
     ("firmware", &["model-core"]),
+    ("cortex-m-stack", &[]),
+    ("mps2", &["model-core", "firmware", "cortex-m-stack"]),
     ("recording", &[]),
     ("machine-file", &["model-core", "recording"]),
     ("virtual-plant", &["model-core", "recording", "machine-file"]),
@@ -30,6 +32,21 @@ const OF_THE_PROGRAM: [&str; 2] = ["clap", "clap_complete"];
 
 /// Dependencies that an FMU's library must not have, in itself and in every crate that it links.
 const NOT_IN_AN_FMU: [&str; 4] = ["clap", "clap_complete", "plotters", "parquet"];
+
+/// Beginnings of names of crates that the firmware's library must not have, in itself and in every crate that it links: a processor, a board, a debugger, an
+/// end for panics, and the critical section, since only a board knows what may interrupt it.
+const NOT_IN_THE_FIRMWARE: [&str; 10] = [
+    "cortex",
+    "riscv",
+    "stm32",
+    "critical-section",
+    "semihosting",
+    "defmt-semihosting",
+    "defmt-rtt",
+    "panic-",
+    "volatile-register",
+    "mps2",
+];
 
 /// A dependency as the manifest states it.
 struct Dependency {
@@ -118,6 +135,36 @@ fn the_library_of_an_fmu_links_no_command_line_no_plots_and_no_parquet() {
     for forbidden in NOT_IN_AN_FMU {
         assert!(!linked.contains(&forbidden), "drive-fmu links {forbidden}");
     }
+}
+
+fn is_of_a_board(name: &str) -> bool {
+    NOT_IN_THE_FIRMWARE.iter().any(|start| name.starts_with(start))
+}
+
+#[test]
+fn the_library_of_the_firmware_links_no_processor_no_board_and_no_critical_section() {
+    let linked = |features: &str, target: &str| -> Vec<String> {
+        let asked = "tree --locked --package firmware --edges normal --prefix none --format {p}";
+        let tree = cargo(&format!("{asked} --features={features} --target {target}"));
+        tree.lines().filter_map(|line| line.split_whitespace().next()).map(str::to_owned).collect()
+    };
+    for features in ["", "defmt"] {
+        let on_a_desktop = linked(features, "x86_64-unknown-linux-gnu");
+        for target in ["thumbv7em-none-eabihf", "thumbv6m-none-eabi", "riscv32imac-unknown-none-elf"] {
+            let linked = linked(features, target);
+            assert!(linked.iter().any(|name| name == "model-core"), "{linked:?}");
+            assert_eq!(linked.iter().find(|name| is_of_a_board(name)), None, "for {target}, features {features:?}");
+            assert_eq!(linked, on_a_desktop, "the same for every target, not for {target}");
+        }
+    }
+}
+
+/// So that the test above can fail.
+#[test]
+fn an_emulated_board_has_what_the_firmware_must_not_have() {
+    let packages = packages();
+    let of_a_board: Vec<_> = packages["mps2"].iter().map(|of| &of.name).filter(|name| is_of_a_board(name)).collect();
+    assert!(of_a_board.len() >= 4, "{of_a_board:?}");
 }
 
 #[test]

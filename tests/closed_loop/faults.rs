@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use firmware::app::press;
-use firmware::in_the_loop::lockstep::{Order, part};
 use firmware::io::Cause;
 use firmware::measured::AnalogSignal;
 use firmware::period::Timing;
@@ -11,6 +10,7 @@ use firmware::set_point::SetPoint;
 use firmware::supervision::{Device, Fault, Mode};
 use model_core::machine::Bases;
 use model_core::number::{Number, PerUnit};
+use mps2::in_the_loop::lockstep::{Order, part};
 use system_tests::at_hand::skipped;
 use system_tests::emulator::Processor;
 use system_tests::in_the_loop::{Board, Said, Wrong, rig};

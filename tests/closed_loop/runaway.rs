@@ -5,12 +5,12 @@ use std::fmt::Write;
 use std::thread;
 
 use firmware::app::press;
-use firmware::in_the_loop::lockstep::Order;
 use firmware::period::Timing;
 use firmware::set_point::Leg;
 use firmware::supervision::{Fault, Mode};
 use model_core::machine::{Machine, Parameter as P};
 use model_core::number::PerUnit;
+use mps2::in_the_loop::lockstep::Order;
 use system_tests::at_hand::skipped;
 use system_tests::emulator::Processor;
 use system_tests::in_the_loop::{Board, Said, Wrong, rig};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use firmware::trial::cases;
+use mps2::trial::cases;
 use system_tests::emulator::Processor;
 
 fn host() -> String {

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use firmware::trial::{RECORDED, press};
 use model_core::machine::Parameter;
+use mps2::trial::{RECORDED, press};
 use recording::{ChannelMap, Signal, read};
 
 fn of_repository(path: &str) -> PathBuf {
@@ -41,7 +41,7 @@ fn the_recorded_input_is_the_command_of_the_shipped_case() {
         writeln!(text, "{ticks} {tenths}").unwrap();
     }
     if std::env::var_os("RENEW").is_some() {
-        std::fs::write(of_repository("firmware/src/trial/recorded.txt"), &text).unwrap();
+        std::fs::write(of_repository("firmware/boards/mps2/src/trial/recorded.txt"), &text).unwrap();
         return;
     }
     assert!(RECORDED == text, "RENEW=1 writes it anew");

@@ -2,7 +2,7 @@
 
 use model_core::machine::{Machine, Parameter as P, Source};
 
-pub use firmware::trial::pump;
+pub use mps2::trial::pump;
 
 /// A machine with a name for tables.
 #[derive(Clone, Copy, Debug)]

@@ -72,7 +72,7 @@ impl Processor {
         let mut cargo = Command::new(env!("CARGO"));
         // A folder of its own: the cargo that runs this test locks the usual one.
         cargo
-            .args([verb, "--quiet", "--release", "--locked", "--package", "firmware", "--bin", binary])
+            .args([verb, "--quiet", "--release", "--locked", "--package", "mps2", "--bin", binary])
             .args(["--features", features])
             .args(["--target", self.target(), "--target-dir"])
             .arg(Self::folder())
@@ -96,7 +96,7 @@ impl Processor {
         String::from_utf8_lossy(&self.output(binary, "", None)).into_owned()
     }
 
-    /// What a binary prints, with the commands of this file built in, see `firmware/commands.rs`.
+    /// What a binary prints, with the commands of this file built in, see `firmware/boards/mps2/commands.rs`.
     ///
     /// # Panics
     /// It cannot be built, or it fails.

@@ -9,12 +9,12 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 use firmware::app::press;
-use firmware::in_the_loop::lockstep::{Order, REQUEST, START, part};
 use firmware::period::Timing;
 use firmware::set_point::SetPoint;
 use firmware::supervision::Mode;
 use model_core::machine::Machine;
 use model_core::number::PerUnit;
+use mps2::in_the_loop::lockstep::{Order, REQUEST, START, part};
 use virtual_plant::Sensors;
 use virtual_plant::sensor::sensors::PositionSensor;
 
@@ -36,7 +36,7 @@ pub fn rig(machine: &Machine<f64>, wanted: Vec<Wanted>) -> Rig {
     Rig { sensors: Sensors::with_position(machine, position), ..Rig::new(machine, wanted) }
 }
 
-/// What the firmware reports of a period; [`firmware::in_the_loop::lockstep`] has the layout.
+/// What the firmware reports of a period; [`mps2::in_the_loop::lockstep`] has the layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Said {
     /// Mode after the period, as a number.

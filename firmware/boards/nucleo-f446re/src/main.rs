@@ -14,7 +14,7 @@ use embedded_hal::spi::{MODE_0, MODE_1};
 use embedded_hal_bus::spi::ExclusiveDevice;
 use firmware::app::press::{BOUNDS, TICK_NS, values};
 use firmware::app::{Desk, Ring, wired_read_back};
-use firmware::board::stack;
+use cortex_m_stack as stack;
 use firmware::period::{Answer, Timing, Watchdog};
 use firmware::set_point::Bounds;
 use firmware::supervision::Defmt;

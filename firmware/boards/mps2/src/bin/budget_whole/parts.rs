@@ -7,10 +7,10 @@ use core::cell::RefCell;
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use firmware::app::press;
 use firmware::control::Reference;
-use firmware::trial::DELAY;
 use heapless::Vec;
 use model_core::machine::{Machine, MachineError, Tick};
 use model_core::number::PerUnit;
+use mps2::trial::DELAY;
 
 /// Number of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use cortex_m_semihosting::hio::{self, HostStream};
 
 /// What the firmware logs on this board: everything by defmt if that feature is on, otherwise nothing.
 #[cfg(feature = "defmt")]
-pub type Log = crate::supervision::Defmt;
+pub type Log = firmware::supervision::Defmt;
 /// What the firmware logs on this board: everything by defmt if that feature is on, otherwise nothing.
 #[cfg(not(feature = "defmt"))]
 pub type Log = ();

@@ -1,7 +1,7 @@
 //! What the firmware logs on the target: the press's whole firmware runs over signals that are generated here; it logs by defmt.
 //!
 //! The rod stands at mid-stroke and follows; then its position drifts away from the model, the monitor gives its alarm, and
-//! the command ramps to neutral; the rod drifts on. Then the wire of a pressure sensor opens, and the encoder jumps. `cargo run --release -p firmware --bin log --features defmt --target
+//! the command ramps to neutral; the rod drifts on. Then the wire of a pressure sensor opens, and the encoder jumps. `cargo run --release -p mps2 --bin log --features defmt --target
 //! thumbv7em-none-eabihf | defmt-print -e <the image>` shows it.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
@@ -98,7 +98,7 @@ mod played {
 fn main() -> ! {
     use defmt_semihosting as _;
     use firmware::app::Ring;
-    use firmware::board::mps2::exit;
+    use mps2::exit;
     use panic_semihosting as _;
 
     let Some(memory) = cortex_m::singleton!(: Option<Ring> = None) else { exit(false) };

@@ -1,6 +1,9 @@
 //! The stack: how much of it some work uses, and a guard at its end.
 //!
-//! To measure, the memory below the stack is painted, and checked afterwards.
+//! To measure, the memory below the stack is painted, and checked afterwards. For a Cortex-M alone: on other processors this crate is empty.
+#![no_std]
+#![cfg(all(target_arch = "arm", target_os = "none"))]
+#![deny(unsafe_code)]
 
 /// How much is painted, bytes; the boards have more.
 const PAINTED: usize = 64 * 1024;

@@ -1,5 +1,5 @@
 //! What the whole control period costs on the emulated target
-//! (`cargo run --release -p firmware --bin budget_whole --target thumbv7em-none-eabihf`, or `thumbv7m-none-eabi`).
+//! (`cargo run --release -p mps2 --bin budget_whole --target thumbv7em-none-eabihf`, or `thumbv7m-none-eabi`).
 //!
 //! In a separate image from the budget of the model's step, because other callers of the step change how the compiler optimises it.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
@@ -14,8 +14,8 @@ mod on_target {
     use core::fmt::{self, Write};
 
     use firmware::app::{Ring, StationError};
-    use firmware::board::mps2::{self, Counter};
     use model_core::machine::MachineError;
+    use mps2::Counter;
     use panic_semihosting as _;
 
     use crate::period;
@@ -49,7 +49,5 @@ mod on_target {
 
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]
 fn main() {
-    println!(
-        "only the target counts: cargo run --release -p firmware --bin budget_whole --target thumbv7em-none-eabihf"
-    );
+    println!("only the target counts: cargo run --release -p mps2 --bin budget_whole --target thumbv7em-none-eabihf");
 }

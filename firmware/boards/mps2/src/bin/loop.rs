@@ -9,11 +9,11 @@ fn main() -> ! {
     use core::fmt::Write;
 
     use cortex_m::delay::Delay;
+    use cortex_m_stack as stack;
     use firmware::app::Ring;
-    use firmware::board::mps2::{CLOCK_HZ, Log, console, exit};
-    use firmware::board::stack;
-    use firmware::board::uart::Uart;
-    use firmware::in_the_loop::lockstep::run;
+    use mps2::in_the_loop::lockstep::run;
+    use mps2::uart::Uart;
+    use mps2::{CLOCK_HZ, Log, console, exit};
     use panic_semihosting as _;
 
     let mut delay = cortex_m::Peripherals::take().map(|mut peripherals| {

@@ -8,16 +8,16 @@ use cortex_m::asm::delay;
 use embedded_hal::delay::DelayNs;
 use firmware::app::press::BOUNDS;
 use firmware::app::{Assembly, Ring, Wired};
-use firmware::board::mps2::{Counter, INSTRUCTIONS_PER_COUNT};
 use firmware::io::ad5754::Ad5754;
 use firmware::io::ads8688::Ads8688;
 use firmware::io::{AnalogIn, AnalogOut};
 use firmware::period::{Request, Timing};
 use firmware::set_point::{Bounds, Course, CourseState, Leg, SetPoint, SetPointError};
 use firmware::supervision::{ActiveFaults, Command, Delay, Deviation, Mode, Reach};
-use firmware::trial::{every_effect, press};
 use model_core::machine::Machine;
 use model_core::number::{Number, PerUnit};
+use mps2::trial::{every_effect, press};
+use mps2::{Counter, INSTRUCTIONS_PER_COUNT};
 
 use crate::on_target::BudgetError;
 use crate::parts::{PLACE, Part, Parts, Plant, Wire, ask_again};

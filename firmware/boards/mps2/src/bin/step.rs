@@ -8,9 +8,9 @@
 fn main() -> ! {
     use core::hint::black_box;
 
-    use firmware::trial::DELAY;
     use model_core::drive::{Drive, DriveInput, DriveState, Load};
     use model_core::number::PerUnit;
+    use mps2::trial::DELAY;
     use panic_semihosting as _;
 
     let mut model: Option<(Drive<PerUnit>, DriveState<PerUnit, DELAY>, PerUnit)> = black_box(None);

@@ -11,8 +11,8 @@ mod on_target {
     use core::hint::black_box;
     use core::sync::atomic::{AtomicU32, Ordering};
 
-    use firmware::board::mps2::{console, exit};
-    use firmware::board::stack;
+    use cortex_m_stack as stack;
+    use mps2::{console, exit};
     use panic_semihosting as _;
 
     /// What lies in the memory above the stack.

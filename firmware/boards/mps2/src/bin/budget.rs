@@ -1,5 +1,5 @@
 //! What a step of the model costs on the emulated target: instructions, memory, stack
-//! (`cargo run --release -p firmware --bin budget --target thumbv7em-none-eabihf`, or `thumbv7m-none-eabi`).
+//! (`cargo run --release -p mps2 --bin budget --target thumbv7em-none-eabihf`, or `thumbv7m-none-eabi`).
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
@@ -7,13 +7,13 @@ mod on_target {
     use core::fmt::{self, Write};
     use core::hint::black_box;
 
-    use firmware::board::mps2::{self, Counter, INSTRUCTIONS_PER_COUNT};
-    use firmware::board::stack;
-    use firmware::trial::{DELAY, Input, Moment, every_effect, forms, press, steps_of};
+    use cortex_m_stack as stack;
     use model_core::drive::{Drive, DriveInput, DriveState, Load, PaperDrive};
     use model_core::machine::{Machine, MachineError, Tick};
     use model_core::number::{Number, PerUnit};
     use model_core::ports::ChamberState;
+    use mps2::trial::{DELAY, Input, Moment, every_effect, forms, press, steps_of};
+    use mps2::{Counter, INSTRUCTIONS_PER_COUNT};
     use panic_semihosting as _;
 
     /// Ticks of a random input.
@@ -170,5 +170,5 @@ mod on_target {
 
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]
 fn main() {
-    println!("only the target counts: cargo run --release -p firmware --bin budget --target thumbv7em-none-eabihf");
+    println!("only the target counts: cargo run --release -p mps2 --bin budget --target thumbv7em-none-eabihf");
 }

@@ -1,10 +1,10 @@
 //! The trace of every trial: on a host, or on the emulated target
-//! (`cargo run --release -p firmware --bin parity --target thumbv7em-none-eabihf`, or `thumbv7m-none-eabi`). Both are the same.
+//! (`cargo run --release -p mps2 --bin parity --target thumbv7em-none-eabihf`, or `thumbv7m-none-eabi`). Both are the same.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 use core::fmt::Write;
 
-use firmware::trial::{CaseError, cases};
+use mps2::trial::{CaseError, cases};
 
 fn traces(out: &mut impl Write) -> Result<(), CaseError> {
     cases().try_for_each(|case| case.trace(out))
@@ -13,7 +13,6 @@ fn traces(out: &mut impl Write) -> Result<(), CaseError> {
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    use firmware::board::mps2;
     use panic_semihosting as _;
 
     let well = mps2::console().is_some_and(|mut console| traces(&mut console).is_ok());

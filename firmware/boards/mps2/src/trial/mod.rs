@@ -11,7 +11,7 @@ mod machines;
 
 /// What `host-sim export` wrote from `presets/press-63-40.toml`: the trials' press, whatever values the firmware is built with.
 pub mod preset {
-    include!("../../machine.rs");
+    include!("../../../../machine.rs");
 }
 
 pub use case::{Case, CaseError, Sample, cases};

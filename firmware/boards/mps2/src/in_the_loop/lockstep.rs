@@ -19,14 +19,14 @@ use embedded_io::{ErrorType, Read, Write};
 use model_core::number::PerUnit;
 
 use super::remote::{MOST_BYTES, RemoteError, SerialLine};
-use crate::app::{Ring, StationError, press, wired};
-use crate::commissioning::Note;
-use crate::monitor::Miss;
-use crate::period::{Answer, Report, Request, Timing, Watchdog};
-use crate::recorder::frame::{FrameError, FrameWriter};
-use crate::recorder::{Progress, Stream};
-use crate::set_point::SetPoint;
-use crate::supervision::{Command, Fault, Log, Mode};
+use firmware::app::{Ring, StationError, press, wired};
+use firmware::commissioning::Note;
+use firmware::monitor::Miss;
+use firmware::period::{Answer, Report, Request, Timing, Watchdog};
+use firmware::recorder::frame::{FrameError, FrameWriter};
+use firmware::recorder::{Progress, Stream};
+use firmware::set_point::SetPoint;
+use firmware::supervision::{Command, Fault, Log, Mode};
 
 /// What the host sends once, before anything else: not a key of a terminal.
 pub const START: u8 = 0xA5;

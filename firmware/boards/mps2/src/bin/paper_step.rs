@@ -8,9 +8,9 @@
 fn main() -> ! {
     use core::hint::black_box;
 
-    use firmware::trial::DELAY;
     use model_core::drive::{DriveState, Load, PaperDrive};
     use model_core::number::PerUnit;
+    use mps2::trial::DELAY;
     use panic_semihosting as _;
 
     let mut model: Option<(PaperDrive<PerUnit>, DriveState<PerUnit, DELAY>, PerUnit)> = black_box(None);
