@@ -33,6 +33,7 @@ extern crate std;
 pub mod app;
 pub mod commissioning;
 pub mod control;
+pub mod excitation;
 pub mod io;
 pub mod measured;
 #[cfg(test)]

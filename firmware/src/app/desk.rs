@@ -47,7 +47,7 @@ impl<'a, A: AnalogIn, P: PositionIn, O: AnalogOut> Desk<'a, A, P, O> {
     /// A desk at this station; the operator may send the rod anywhere within the bounds.
     #[must_use]
     pub fn new(station: Station<'a, A, P, O>, bounds: Bounds) -> Self {
-        let operator = Operator::new(bounds, *station.bases());
+        let operator = Operator::new(bounds, *station.bases(), &press::EXCITATIONS);
         let (commissioning, steps) = (station.commissioning(), CommissioningState::default());
         let (state, outbox) = (operator.at_rest(), Outbox::default());
         Self { station, operator, state, bounds, commissioning, steps, outbox }

@@ -11,6 +11,7 @@
 //! | `d` | send what the recorder holds |
 //! | `n` | delete that, and wait for the next alarm or fault |
 //! | `1c` to `7c` | begin this step of the [commissioning](crate::commissioning); `0c` leaves it |
+//! | `2e` | play the second [excitation](super::press::EXCITATIONS) about where the rod stands, and trigger the recorder; as `g`, only while the rod follows and rests |
 //! | `i` | from now on an alarm of the monitor is told and stops nothing, until the controller restarts |
 //!
 //! Spaces and line ends do nothing. Positions are whole millimetres. After an unknown character, or one that was lost on the line,
@@ -20,6 +21,7 @@ use model_core::machine::Bases;
 use model_core::number::{Number, PerUnit};
 use thiserror::Error;
 
+use crate::excitation::{Excitation, ExcitationError, Wave, WaveState};
 use crate::period::{Report, Request, Timing};
 use crate::set_point::{Bounds, Course, CourseState, Leg, SetPoint, SetPointError};
 use crate::supervision::{Command, Mode};
@@ -56,7 +58,7 @@ pub enum Errand {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OperatorError {
     /// No such command.
-    #[error("{found:#04x} is none of f, g, s, a, z, c, t, d, n, i")]
+    #[error("{found:#04x} is none of f, g, e, s, a, z, c, t, d, n, i")]
     Unknown {
         /// What was typed.
         found: u8,
@@ -70,6 +72,12 @@ pub enum OperatorError {
     /// The step's number is missing.
     #[error("c needs the number of a step before it")]
     NoStep,
+    /// There is no excitation of this number.
+    #[error("e needs the number of an excitation before it, 1 to {most}")]
+    NoExcitation {
+        /// How many there are.
+        most: usize,
+    },
     /// The rod does not follow.
     #[error("not following: type f first")]
     NotFollowing,
@@ -82,6 +90,9 @@ pub enum OperatorError {
     /// There is no valid move to that position.
     #[error(transparent)]
     SetPoint(#[from] SetPointError),
+    /// The excitation does not fit here.
+    #[error(transparent)]
+    Excitation(#[from] ExcitationError),
 }
 
 /// Where and how fast the operator may send the rod: configuration.
@@ -89,6 +100,7 @@ pub enum OperatorError {
 pub struct Operator {
     bases: Bases,
     bounds: Bounds,
+    excitations: &'static [Excitation],
 }
 
 /// What was typed so far, and where the rod is wanted.
@@ -100,21 +112,30 @@ pub struct OperatorState {
     command: Option<Command>,
     mode: Mode,
     course: Option<(Course<1>, CourseState)>,
+    wave: Option<(Wave, WaveState)>,
     wanted: SetPoint,
 }
 
 impl Operator {
-    /// An operator with these bounds and bases.
+    /// An operator with these bounds and bases, who may play these excitations.
     #[must_use]
-    pub fn new(bounds: Bounds, bases: Bases) -> Self {
-        Self { bases, bounds }
+    pub fn new(bounds: Bounds, bases: Bases, excitations: &'static [Excitation]) -> Self {
+        Self { bases, bounds, excitations }
     }
 
     /// The initial state: nothing was typed and nothing is known.
     #[must_use]
     pub fn at_rest(&self) -> OperatorState {
         let wanted = SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO };
-        OperatorState { typed_mm: None, garbled: false, command: None, mode: Mode::Starting, course: None, wanted }
+        OperatorState {
+            typed_mm: None,
+            garbled: false,
+            command: None,
+            mode: Mode::Starting,
+            course: None,
+            wave: None,
+            wanted,
+        }
     }
 
     /// Takes a character; returns what must be done now, if anything.
@@ -154,6 +175,10 @@ impl Operator {
                 let step = typed.ok_or(OperatorError::NoStep)?;
                 return Ok(Some(Errand::Commission { step }));
             }
+            b'e' => {
+                self.play(state, typed)?;
+                return Ok(Some(Errand::Trigger));
+            }
             b't' => return Ok(Some(Errand::Trigger)),
             b'd' => return Ok(Some(Errand::Send)),
             b'n' => return Ok(Some(Errand::Arm)),
@@ -185,18 +210,35 @@ impl Operator {
         state.command = Some(Command::Stop);
     }
 
-    fn go(&self, state: &mut OperatorState, to_m: f64) -> Result<(), OperatorError> {
+    /// The rod may be moved: it follows, and the last move has ended.
+    fn rests(state: &OperatorState) -> Result<(), OperatorError> {
         if state.mode != Mode::Following {
             return Err(OperatorError::NotFollowing);
         }
-        if state.course.as_ref().is_some_and(|(course, along)| !course.is_done(along)) {
-            return Err(OperatorError::Moving);
-        }
+        let moves = state.course.as_ref().is_some_and(|(course, along)| !course.is_done(along))
+            || state.wave.as_ref().is_some_and(|(wave, along)| !wave.is_done(along));
+        if moves { Err(OperatorError::Moving) } else { Ok(()) }
+    }
+
+    fn play(&self, state: &mut OperatorState, number: Option<u32>) -> Result<(), OperatorError> {
+        Self::rests(state)?;
+        let index = number.and_then(|number| (number as usize).checked_sub(1));
+        let excitation = index.and_then(|index| self.excitations.get(index));
+        let excitation = excitation.ok_or(OperatorError::NoExcitation { most: self.excitations.len() })?;
+        let wave = excitation.about(state.wanted.position, &self.bases, &self.bounds)?;
+        state.wave = Some((wave, WaveState::default()));
+        state.course = None;
+        Ok(())
+    }
+
+    fn go(&self, state: &mut OperatorState, to_m: f64) -> Result<(), OperatorError> {
+        Self::rests(state)?;
         // The wanted position, once rounded, may lie just beyond a bound.
         let from_m = state.wanted.position.to_f64() * self.bases.stroke_m;
         let from_m = from_m.max(self.bounds.from_m).min(self.bounds.to_m);
         let course = Course::new(&self.bases, &self.bounds, from_m, &[Leg::Fastest { to_m }])?;
         state.course = Some((course, CourseState::default()));
+        state.wave = None;
         Ok(())
     }
 
@@ -204,6 +246,9 @@ impl Operator {
     pub fn request(&self, state: &mut OperatorState, timing: Timing) -> Request {
         if let Some((course, along)) = &mut state.course {
             state.wanted = course.step(along);
+        }
+        if let Some((wave, along)) = &mut state.wave {
+            state.wanted = wave.step(along);
         }
         Request { set_point: state.wanted, command: state.command.take(), timing }
     }
@@ -214,11 +259,11 @@ impl Operator {
         match report.mode {
             Mode::Following => {}
             Mode::Holding => {
-                state.course = None;
+                (state.course, state.wave) = (None, None);
                 state.wanted = SetPoint { velocity: PerUnit::ZERO, ..report.followed };
             }
             Mode::Starting | Mode::RampingDown | Mode::Neutral => {
-                state.course = None;
+                (state.course, state.wave) = (None, None);
                 state.wanted = SetPoint { position: report.measured.position, velocity: PerUnit::ZERO };
             }
         }
@@ -242,7 +287,7 @@ mod tests {
 
     fn operator() -> Operator {
         let reference: Reference<64> = Reference::at_rest(&press(), Tick::OneMillisecond, 0.5).unwrap();
-        Operator::new(BOUNDS, *reference.bases())
+        Operator::new(BOUNDS, *reference.bases(), &crate::app::press::EXCITATIONS)
     }
 
     fn millimetres(operator: &Operator, position: PerUnit) -> f64 {

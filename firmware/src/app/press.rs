@@ -6,6 +6,7 @@
 use model_core::control::Tuning;
 use model_core::machine::{Bases, Machine};
 
+use crate::excitation::Excitation;
 use crate::io::ads8688::{CHANNELS, Range};
 use crate::measured::AnalogSignal;
 use crate::monitor::{Monitor, MonitorError, Sensitivity, Spread};
@@ -54,6 +55,13 @@ const SLEW_V_PER_S: f64 = 2000.0;
 /// Where the rod may be sent, and how fast. At its largest command the press moves out at 70 and in at 45 mm/s; with its values off by what the limits of
 /// deviation allow for, it still reaches these bounds.
 pub const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.036, acceleration_m_per_s2: 0.5 };
+
+/// What the operator may play, by number: a sine, a sweep, strokes. Each takes the four seconds that the recorder keeps after its trigger.
+pub const EXCITATIONS: [Excitation; 3] = [
+    Excitation::Sine { amplitude_m: 3e-3, frequency_hz: 1.0, duration_s: 4.0 },
+    Excitation::Sweep { amplitude_m: 0.01, from_hz: 0.5, to_hz: 10.0, duration_s: 4.0 },
+    Excitation::Strokes { amplitude_m: 3e-3, rest_s: 0.05 },
+];
 
 /// What the monitor's alarm leads to, unless the operator says otherwise.
 pub const ALARM: Option<Response> = Some(Response::RampDown);

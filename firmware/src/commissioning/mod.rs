@@ -152,8 +152,8 @@ impl Commissioning {
     /// A step is under way, or the commissioning has not ended.
     pub fn permits(&self, state: &CommissioningState, key: u8) -> Result<(), CommissioningError> {
         match key {
-            b'f' | b'g' | b'a' | b'z' | b'i' | b'c' if state.running.is_some() => Err(CommissioningError::Busy),
-            b'f' | b'g' | b'i' if state.begun => Err(CommissioningError::Unfinished),
+            b'f' | b'g' | b'e' | b'a' | b'z' | b'i' | b'c' if state.running.is_some() => Err(CommissioningError::Busy),
+            b'f' | b'g' | b'e' | b'i' if state.begun => Err(CommissioningError::Unfinished),
             _ => Ok(()),
         }
     }

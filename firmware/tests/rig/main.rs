@@ -2,6 +2,7 @@
 
 mod commissioning;
 mod desk;
+mod excitation;
 mod failing;
 mod following;
 mod parts;
