@@ -220,13 +220,13 @@ impl Room<'_> {
         }
         let ticks = whole(duration_s / tick_s);
         // Of the stroke, by the turns in a tick.
-        let law = |limit: f64, power: f64| if falls { libm::pow(TURN / tick_s, power) * stroke_m / limit } else { 0.0 };
-        let (by_velocity, by_acceleration) =
-            (law(self.velocity_m_per_s(), 1.0), law(self.acceleration_m_per_s2(), 2.0));
+        let per_turn = if falls { TURN / tick_s } else { 0.0 };
+        let by_velocity = per_turn * stroke_m / self.velocity_m_per_s();
+        let by_acceleration = per_turn * per_turn * stroke_m / self.acceleration_m_per_s2();
         let least = stroke_m / amplitude_m;
         let sine = Sine {
             rate: single(from_hz * tick_s),
-            growth: single(libm::expm1(libm::log(to_hz / from_hz) / f64::from(ticks))),
+            growth: single(libm::exp(libm::log(to_hz / from_hz) / f64::from(ticks)) - 1.0),
             least: single(least * least),
             squared: single(by_velocity * by_velocity),
             fourth: single(by_acceleration * by_acceleration),

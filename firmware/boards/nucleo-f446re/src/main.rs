@@ -8,13 +8,13 @@ mod keys;
 
 use cortex_m::asm;
 use cortex_m_rt::entry;
+use cortex_m_stack as stack;
 use defmt::Display2Format;
 use defmt_rtt as _;
 use embedded_hal::spi::{MODE_0, MODE_1};
 use embedded_hal_bus::spi::ExclusiveDevice;
 use firmware::app::press::{BOUNDS, TICK_NS, values};
 use firmware::app::{Desk, Ring, wired_read_back};
-use cortex_m_stack as stack;
 use firmware::period::{Answer, Timing, Watchdog};
 use firmware::set_point::Bounds;
 use firmware::supervision::Defmt;
