@@ -46,6 +46,11 @@ impl Pair {
         self.has_ratio() && self.falsely.is_empty()
     }
 
+    /// Whether it was found then, and nothing is said to have changed or to be new.
+    pub(super) fn claims_nothing(&self) -> bool {
+        self.then && self.found.is_none() && self.falsely.is_empty()
+    }
+
     fn has_ratio(&self) -> bool {
         self.found.is_some_and(|found| (found / self.ratio - 1.0).abs() < RATIO_WITHIN)
     }

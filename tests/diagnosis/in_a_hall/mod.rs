@@ -265,9 +265,33 @@ fn of_these_drives_nothing_is_said_to_be_missing_that_is_not() {
 /// Position alone: load, tank pressure and the valve's gain, each far from then's, made up for a leak that had become half as large.
 #[test]
 fn a_leak_that_fell_is_told_where_the_base_parameters_can_make_up_for_it() {
-    let leak = later::parts().find(|worn| worn.name() == "internal-leakage").unwrap();
-    let pair = later::pair_now(leak, 8);
+    let pair = pair_of("internal-leakage", 8);
     assert!(pair.is_right(), "{}", pair.line());
+}
+
+/// The base ends at its noise, with the amount at the end of what is known of it.
+#[test]
+fn a_change_is_told_where_the_base_parameters_make_up_for_it_down_to_the_noise() {
+    let pair = pair_of("external-leakage", 8);
+    assert!(pair.is_right(), "{}", pair.line());
+}
+
+/// The mean of the overlaps changes with their difference.
+#[test]
+fn an_edge_that_has_worn_is_told() {
+    let pair = pair_of("dead-zone-asymmetry", 9);
+    assert!(pair.is_right(), "{}", pair.line());
+}
+
+/// The return line's pressure of then was taken for laminar, which it is not at the flows of later.
+#[test]
+fn a_law_that_does_not_hold_at_other_flows_is_no_change() {
+    let pair = pair_of("tank-back-pressure", 12);
+    assert!(pair.claims_nothing(), "{}", pair.line());
+}
+
+fn pair_of(part: &str, number: u64) -> later::Pair {
+    later::pair_now(later::parts().find(|worn| worn.name() == part).unwrap(), number)
 }
 
 /// Slow: `cargo test --release -p system-tests --test diagnosis of_drives_that_were_recorded_again -- --ignored --nocapture`; a part of it by

@@ -14,6 +14,8 @@ use crate::selection::{Candidate, Chosen, Confirmation, Question, Selection, con
 pub(crate) struct Decision {
     pub(crate) findings: Vec<Finding>,
     pub(crate) not_confirmed: Vec<&'static Hypothesis>,
+    /// Effects that may have changed and that only act otherwise than then.
+    pub(crate) otherwise: Vec<&'static Hypothesis>,
     /// What the held-out recordings said; `None` if there was no choice to confirm.
     pub(crate) confirmation: Option<Confirmation>,
     /// The model with what is accepted.
@@ -32,7 +34,7 @@ impl Decision {
     ) -> Result<Self, FitError> {
         let after = selection.base.clone();
         let estimates = after.estimates(question)?;
-        Ok(Self { findings: Vec::new(), not_confirmed, confirmation, after, estimates })
+        Ok(Self { findings: Vec::new(), not_confirmed, otherwise: Vec::new(), confirmation, after, estimates })
     }
 }
 
@@ -60,6 +62,12 @@ pub(crate) fn decide(
         vetoed.extend(chosen.effects.iter().map(|chosen| chosen.effect));
         return Decision::without(question, selection, vetoed, Some(confirmation));
     }
+    let trades = chosen.effects.iter().filter(|one| chosen.trades(question, one.form));
+    let otherwise: Vec<&Hypothesis> = trades.map(|one| one.effect).collect();
+    if !otherwise.is_empty() {
+        let without = Decision::without(question, selection, vetoed, Some(confirmation))?;
+        return Ok(Decision { otherwise, ..without });
+    }
     let estimates = estimates(question, selection)?;
     let confirmation = (!held.is_empty()).then_some(confirmation);
     if is_there_anyway(question, chosen) || makes_up(question, chosen, &estimates) {
@@ -68,7 +76,14 @@ pub(crate) fn decide(
     let mut findings: Vec<Finding> =
         chosen.effects.iter().map(|chosen| finding(chosen, question.scene, selection, &estimates, &vetoed)).collect();
     findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
-    Ok(Decision { findings, not_confirmed: vetoed, confirmation, after: chosen.clone(), estimates })
+    Ok(Decision {
+        findings,
+        not_confirmed: vetoed,
+        otherwise: Vec::new(),
+        confirmation,
+        after: chosen.clone(),
+        estimates,
+    })
 }
 
 /// Whether an effect of a candidate model is one that the base model has: volumes that follow the piston. More of it stands in for something else; it takes

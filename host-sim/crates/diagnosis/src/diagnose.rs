@@ -167,7 +167,7 @@ pub fn diagnose_with(
     let tables_in = tells_tables.then_some(opened.as_slice());
     let Place { located, tabled } =
         seen.place(plain_base, (verdict, &decided, suspected), tables_in, &mut selection.searched)?;
-    let Decision { findings, not_confirmed, confirmation, after, estimates } = decided;
+    let Decision { findings, not_confirmed, otherwise, confirmation, after, estimates } = decided;
     let (estimates, after, unnamed) = match tabled {
         Some((tabled, estimates, unnamed)) => (estimates, tabled, Some(unnamed)),
         None => (estimates, after, None),
@@ -199,6 +199,7 @@ pub fn diagnose_with(
         training_is_too_narrow,
         unsettled: after.unsettled(),
         not_confirmed,
+        otherwise,
         unnamed,
         confirmation,
         refitted,

@@ -66,6 +66,9 @@ pub struct Diagnosis {
     pub unsettled: Option<Unsettled>,
     /// Effects that training recordings chose and held-out ones did not confirm.
     pub not_confirmed: Vec<&'static Hypothesis>,
+    /// Effects that may have changed and of which there is less by one amount and more by another: they act otherwise than then, as those of the same drive
+    /// do that is driven otherwise.
+    pub otherwise: Vec<&'static Hypothesis>,
     /// A correction table for what no effect explains, where the model with it follows the held-out recordings better. Never a finding.
     pub unnamed: Option<Unnamed>,
     /// What the held-out recordings said; `None` if there was no choice to confirm.
@@ -132,7 +135,7 @@ impl Diagnosis {
     #[must_use]
     pub fn is_unchanged(&self) -> bool {
         let follows = self.since.is_some() && self.verdict == Verdict::NothingMissing;
-        let is_open = !self.untested.is_empty() || !self.doubtful_changes().is_empty();
+        let is_open = !self.untested.is_empty() || !self.otherwise.is_empty() || !self.doubtful_changes().is_empty();
         follows && !is_open && self.far_values().is_empty()
     }
 

@@ -105,6 +105,12 @@ fn since_then(
 ) -> Vec<Free> {
     let knows_oil = knows_oil(file, cases);
     let is_of_the_day = |free: &Free| {
+        let moves_along = |(parameter, along): &(Parameter, &[Parameter])| {
+            *parameter == free.parameter && changeable.iter().any(|amount| along.contains(&amount.parameter))
+        };
+        if MOVES_ALONG.iter().any(moves_along) {
+            return true;
+        }
         let acts_like = |names: &[&str]| held.iter().any(|effect| names.contains(&effect.name));
         let is_oils = knows_oil && free.parameter == Parameter::ViscousFriction;
         !is_oils && OF_THE_DAY.iter().any(|(parameter, alike)| *parameter == free.parameter && !acts_like(alike))
@@ -132,6 +138,11 @@ const OF_THE_DAY: [(Parameter, &[&str]); 5] = [
     (Parameter::LoadForce, &["position-dependent-load", "friction-asymmetry"]),
     (Parameter::AirShare, &["hose-compliance"]),
 ];
+
+/// A base parameter that another time leaves as open as a data sheet does, where one of these amounts may have changed: an edge that wears changes the mean
+/// overlap as it changes the difference between the overlaps, which a spool's sensor reads as an offset.
+const MOVES_ALONG: [(Parameter, &[Parameter]); 1] =
+    [(Parameter::DeadZone, &[Parameter::DeadZoneDifference, Parameter::SpoolOffset])];
 
 /// What is set by hand: known once it was fitted, but not bounded.
 const SET_BY_HAND: [Parameter; 1] = [Parameter::SupplyPressure];

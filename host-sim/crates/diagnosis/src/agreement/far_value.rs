@@ -4,7 +4,7 @@ use identification::fit::{Estimate, Free};
 use model_core::machine::{Machine, Parameter, Source};
 
 /// A value this many of its allowed standard deviations away is told: one in 400 is, where the machine file's doubts are right.
-const FAR_FROM: f64 = 3.0;
+pub(crate) const FAR_FROM: f64 = 3.0;
 /// From here on it is no longer chance among the dozen values of a fit.
 const VERY_FAR_FROM: f64 = 5.0;
 /// It is only told where the recordings determine it: its change exceeds its own standard deviation this many times.

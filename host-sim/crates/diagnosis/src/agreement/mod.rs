@@ -25,6 +25,7 @@ use recording::{Recording, Signal};
 use response::Responses;
 
 pub use change::Change;
+pub(crate) use far_value::FAR_FROM;
 pub use far_value::{Cause, FarValue, far_values};
 pub use follower::{Follower, follower};
 pub(crate) use tolerated::USED_UP;

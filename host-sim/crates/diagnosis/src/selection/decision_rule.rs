@@ -8,8 +8,8 @@
 //!
 //! 1. An effect is refitted: `PREDICTED_GAIN`.
 //! 2. Its candidate model is accepted on the training recordings: `BEYOND_PENALTY`, `LEAST_EXPLAINED` (beside accepted effects
-//!    `FURTHER_EXPLAINS`), `RECORDINGS_GAIN` with `RECORDINGS_EXCUSED` and `FEW_RECORDINGS`; it is likelier than none by
-//!    `LIKELIER_THAN_NONE`, and no other candidate model with as many effects is likelier by `LIKELIER_BY`. An extension also passes
+//!    `FURTHER_EXPLAINS`; not of a change that a base within `MAKES_UP_WITHIN` makes up for), `RECORDINGS_GAIN` with
+//!    `RECORDINGS_EXCUSED` and `FEW_RECORDINGS`; it is likelier than none by `LIKELIER_THAN_NONE`, and no other candidate model with as many effects is likelier by `LIKELIER_BY`. An extension also passes
 //!    `EXTENSION_GAINS` and `EXTENSION_EXPLAINS` or `FINER_FORM_TAKES`.
 //! 3. Its parameters are plausible: the constants from `PRESSED` to `PULLED_TOO_FAR_QUANTILE`.
 //! 4. The held-out recordings gain what was promised: `PROMISE_KEPT`, in each signal as well by `LOST_FROM` and `PROMISES_HALF`,
@@ -65,6 +65,10 @@ pub(crate) const FEW_RECORDINGS: usize = 2;
 /// Share of the misfit above noise that a candidate model has to take away. Source: one that takes less leaves more than it explains, and
 /// stands in for something else.
 pub(crate) const LEAST_EXPLAINED: f64 = 0.5;
+
+/// Times its noise within which the worst signal of a base lies that makes up for a change by the end of what is known of an amount: then
+/// [`LEAST_EXPLAINED`] is not asked of that change. Source: not far off.
+pub(crate) const MAKES_UP_WITHIN: f64 = FAR_OFF;
 
 /// Share of the first misfit above noise that a further effect has to take away beside accepted ones: less cannot be told from the error of
 /// their own equations. Source: the equation error, squared.

@@ -34,7 +34,7 @@ pub(crate) fn ranked_by(
             .map(|((before, after), samples)| 0.5 * samples * (floored(before) / floored(after)).ln())
             .sum();
         gain + straightened(question, base, candidate)
-            - 0.5 * candidate.effect_parameters() as f64 * total.max(2.0).ln()
+            - 0.5 * candidate.new_values(question) as f64 * total.max(2.0).ln()
     };
     let valued = |candidate: Candidate| {
         let net = net(&candidate);
@@ -157,14 +157,16 @@ pub(crate) fn accepts(
         misfit_above_noise(&without.residuals),
         misfit_above_noise(&with.residuals),
     );
+    // A base that follows by using up what an amount is known to leaves little to explain: what tells the change are the values that come back.
+    let explains = after <= (1.0 - LEAST_EXPLAINED) * before || without.makes_up_for_change(question, with);
     let told = before - after >= FURTHER_EXPLAINS * most || (without.is_pulled(question) && !with.is_pulled(question));
-    if after > (1.0 - LEAST_EXPLAINED) * before || (!without.effects.is_empty() && !told) {
+    if !explains || (!without.effects.is_empty() && !told) {
         return Ok(false);
     }
     let counts = question.counts();
     let pays = |gained: &Gained| {
         let penalty =
-            gained.cost(with.effect_parameters().saturating_sub(without.effect_parameters())) + BEYOND_PENALTY;
+            gained.cost(with.new_values(question).saturating_sub(without.new_values(question))) + BEYOND_PENALTY;
         // Parameters that come back may pay for the effect parameters, but the recordings themselves have to gain as well.
         gained.all > RECORDINGS_GAIN && gained.all + straightened(question, without, with) > penalty && gained.repeats
     };

@@ -51,6 +51,7 @@ fn added(
     done: &(impl Fn(&str) + Sync),
 ) -> Result<Vec<Candidate>, FitError> {
     let refit = |leads: &[Lead], reference: &Reference<'_>| refit_each(leads, done, |lead| reference.with(lead));
+    let loosened = loosened(question, from, open);
     let reference = Reference::new(question, from)?;
     let presses = |lead: &Lead| from.presses(question, lead.effect, lead.form);
     let is_astray = from.effects.is_empty() && from.is_pulled(question);
@@ -61,8 +62,9 @@ fn added(
         promising(reference.leads(open)?, most, PREDICTED_GAIN, presses)
     };
     if !is_astray {
-        return refit(&own, &reference);
+        return refit(&[own, loosened].concat(), &reference);
     }
+    let own = [own, loosened].concat();
     let beside = Reference::new(question, &inflated.base)?;
     let leads = beside.leads_by([&inflated.correlated, &inflated.independent], open)?;
     let [mut others, mut bending] = leads.map(|leads| promising(leads, most, 0.0, presses));
@@ -78,6 +80,19 @@ fn added(
     let again: Vec<Lead> = again.into_iter().filter(near).collect();
     found.extend(refit(&again, &reference)?);
     Ok(found)
+}
+
+/// Effects that may have changed and of which a candidate model has used up what is known, each from where that model ended: a refit that begins far from
+/// there may end above it.
+fn loosened(question: &Question<'_>, from: &Candidate, open: &[&'static Hypothesis]) -> Vec<Lead> {
+    let scene = question.scene;
+    let pressed = |effect: &&'static Hypothesis| {
+        let form = effect.forms_in(scene).find(|form| scene.holds(form) && from.uses_up(question, form))?;
+        let values = form.iter().map(|own| (own.parameter, from.fit.machine.get(own.parameter))).collect();
+        let (gain, loss, settled) = (0.0, from.fit.loss, from.fit.coordinates.clone());
+        Some(Lead { effect, form, values, gain, loss, settled })
+    };
+    open.iter().filter_map(pressed).collect()
 }
 
 /// The refits of each, in their order.

@@ -74,6 +74,15 @@ fn the_tanks_pressure_is_of_the_day_unless_it_acts_like_what_may_have_changed() 
 }
 
 #[test]
+fn the_overlap_is_open_where_an_edge_may_have_worn() {
+    let freedom = |difference: f64| {
+        let values = [(P::DeadZone, 0.05), (P::DeadZoneDifference, difference)];
+        of(&since(&file(&values, &[(P::DeadZone, 0.01)], &[(P::DeadZoneDifference, 0.03)])), P::DeadZone)
+    };
+    assert!(freedom(0.0).near().is_some() && freedom(0.06).near().is_none());
+}
+
+#[test]
 fn an_amount_that_may_have_changed_has_its_tenth_whatever_the_file_says_of_it() {
     let leaks = file(&[(P::InternalLeakage, 2e-12)], &[(P::InternalLeakage, 1e-11)], &[]);
     let free = since(&leaks);

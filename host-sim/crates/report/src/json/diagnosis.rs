@@ -110,6 +110,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
     });
     if diagnosis.since.is_some() {
         told["since_untested"] = json!(diagnosis.untested.iter().map(|effect| effect.name).collect::<Vec<_>>());
+        told["since_otherwise"] = json!(diagnosis.otherwise.iter().map(|effect| effect.name).collect::<Vec<_>>());
         told["then"] = json!(diagnosis.then);
         told["oil"] = json!(diagnosis.other_oil.as_ref().map(|oil| {
             json!({

@@ -158,6 +158,13 @@ fn doubtful(diagnosis: &Diagnosis) -> String {
     for effect in &diagnosis.untested {
         let _ = writeln!(text, "untested   {}: these recordings cannot show whether it has changed", effect.name);
     }
+    for effect in &diagnosis.otherwise {
+        let _ = writeln!(
+            text,
+            "otherwise  {}: by one of its values there is less of it than then and by another more; recordings over the whole range of then would tell",
+            effect.name
+        );
+    }
     if is_structure_wrong(diagnosis) {
         return text;
     }

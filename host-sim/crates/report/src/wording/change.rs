@@ -94,6 +94,12 @@ pub fn unchanged(diagnosis: &Diagnosis, follows: &str) -> String {
             "it stays open whether {doubtful} has changed: the training recordings say so, and the held-out ones do not confirm it; {model}"
         );
     }
+    if !diagnosis.otherwise.is_empty() {
+        let otherwise = names(&diagnosis.otherwise);
+        return format!(
+            "it stays open whether {otherwise} has changed: by one of its values there is less of it and by another more, as where the same drive is driven otherwise; {model}"
+        );
+    }
     if let Some(first) = far.first() {
         let others = match far.len() {
             1 => String::new(),

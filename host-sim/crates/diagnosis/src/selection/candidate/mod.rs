@@ -302,8 +302,20 @@ impl Candidate {
     /// How many values its effects bring with them: their parameters and, of a play, where in it the rod starts, in each recording.
     #[must_use]
     pub fn effect_parameters(&self) -> usize {
+        self.brought(|_| true)
+    }
+
+    /// How many of them the model without effects does not have. Of an effect that may have changed it has what says how the effect acts.
+    pub(crate) fn new_values(&self, question: &Question<'_>) -> usize {
+        let is_free =
+            |own: &EffectParameter| question.base_parameters.iter().any(|free| free.parameter == own.parameter);
+        self.brought(|own| own.is_amount() || question.scene.shape_then(own).is_none() || !is_free(own))
+    }
+
+    fn brought(&self, counts: impl Fn(&EffectParameter) -> bool) -> usize {
         let has_play = self.effects.iter().any(|chosen| chosen.has(Parameter::BacklashPlay));
-        effect_parameters(&self.effects).len() + if has_play { self.fit.starts.len() } else { 0 }
+        let own = effect_parameters(&self.effects).into_iter().filter(|own| counts(own)).count();
+        own + if has_play { self.fit.starts.len() } else { 0 }
     }
 
     /// Whether its worst channel is off by more than what counts as its noise.

@@ -5,11 +5,11 @@ use identification::fit::Free;
 use model_core::machine::Parameter;
 
 use super::{Candidate, Chosen, Question, effect_parameters};
-use crate::agreement::USED_UP;
-use crate::catalogue::{AMOUNT_KNOWN, EffectParameter, Form, Hypothesis, Kind, Scene, covered_by, tolerance};
+use crate::agreement::{FAR_FROM, USED_UP};
+use crate::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene, covered_by, tolerance};
 use crate::selection::decision_rule::{
-    AMOUNT_NEGLIGIBLE, FIRM_FROM, HARDLY_JUMPS_FROM, PLACE_WITHIN, PRESSED, PRESSED_SIGNED, PULLED_TOO_FAR_QUANTILE,
-    SHAPES_A_PLAY_BELOW, SIGNED_NEGLIGIBLE,
+    AMOUNT_NEGLIGIBLE, FIRM_FROM, HARDLY_JUMPS_FROM, MAKES_UP_WITHIN, PLACE_WITHIN, PRESSED, PRESSED_SIGNED,
+    PULLED_TOO_FAR_QUANTILE, SHAPES_A_PLAY_BELOW, SIGNED_NEGLIGIBLE,
 };
 
 impl Candidate {
@@ -128,21 +128,51 @@ impl Candidate {
         amounts.peek().is_none() || amounts.any(is_beyond)
     }
 
+    /// Whether of an effect that may have changed there is less by one amount and more by another: then it acts otherwise than then, as the same drive does
+    /// that is driven otherwise, and no more or less of it is told.
+    pub(crate) fn trades(&self, question: &Question<'_>, form: Form) -> bool {
+        let amounts = || form.iter().filter(|own| matches!(own.kind, Kind::Amount(_) | Kind::Firm(_)));
+        let gained =
+            |own: &EffectParameter| self.fit.machine.get(own.parameter) - question.scene.machine.get(own.parameter);
+        let is_less = |own: &EffectParameter| {
+            question.scene.is_changed(own, self.fit.machine.get(own.parameter)) == Some(true) && gained(own) < 0.0
+        };
+        let is_more = |own: &EffectParameter| {
+            let value = self.fit.machine.get(own.parameter);
+            question.scene.is_beyond(question.base_parameters, own, value) && gained(own) > 0.0
+        };
+        question.scene.holds(form) && amounts().any(is_less) && amounts().any(is_more)
+    }
+
     /// Whether it has used up the tolerance of an amount of a plain effect, or what is left of it, or within how much an amount that may have changed is
     /// known: only recordings that press for more, or for less, come so far.
     pub(crate) fn presses(&self, question: &Question<'_>, effect: &Hypothesis, form: Form) -> bool {
         let used_up = |own: &EffectParameter| {
-            let before = question.scene.before(own);
-            if before != 0.0 {
-                let moved = (self.fit.machine.get(own.parameter) - before).abs();
-                return moved > USED_UP * AMOUNT_KNOWN * before.abs();
-            }
             let cover = covered_by(own.parameter);
             let free = question.base_parameters.iter().find(|free| free.parameter == cover);
             let used = free.and_then(|free| free.share_used(self.fit.machine.get(cover)));
             own.is_amount() && used.is_some_and(|share| share > USED_UP)
         };
-        effect.extends.is_none() && form.iter().any(used_up)
+        effect.extends.is_none() && (self.uses_up(question, form) || form.iter().any(used_up))
+    }
+
+    /// Whether an amount of this form is far from what was known of it since then.
+    pub(crate) fn uses_up(&self, question: &Question<'_>, form: Form) -> bool {
+        let is_far = |own: &EffectParameter| {
+            let free = question.base_parameters.iter().find(|free| free.parameter == own.parameter);
+            let is_far = |free: &Free| free.deviations(self.fit.machine.get(own.parameter)).abs() > FAR_FROM;
+            question.scene.before(own) != 0.0 && free.is_some_and(is_far)
+        };
+        form.iter().any(is_far)
+    }
+
+    /// Whether it follows the recordings as far as it does by what a candidate model lets change: it is not far off, and of each effect that the
+    /// candidate model has beyond its own an amount is used up.
+    pub(crate) fn makes_up_for_change(&self, question: &Question<'_>, with: &Self) -> bool {
+        let mut changed = with.effects.iter().filter(|chosen| !self.has(chosen.effect)).peekable();
+        changed.peek().is_some()
+            && self.worst_over_noise(question) < MAKES_UP_WITHIN
+            && changed.all(|chosen| self.uses_up(question, chosen.form))
     }
 
     /// Whether its stiction only shapes the play beside it. A stiction that keeps most of its band hardly jumps and acts like a play of twice the

@@ -4,7 +4,7 @@ use recording::Signal;
 use test_press::{extending, press, recorded};
 
 use super::*;
-use crate::catalogue::CATALOGUE;
+use crate::catalogue::{AMOUNT_KNOWN, CATALOGUE};
 use crate::test_scene::scene;
 
 /// A candidate model of one effect in its plainest form, as if a fit had ended at this machine.
@@ -131,4 +131,32 @@ fn of_two_pressure_sensors_the_one_that_presses_against_its_tolerance_is_tried_i
     let read = |parameter| found.get(parameter);
     assert!((read(Parameter::PressureAOffset) + 8e5).abs() < 2e4, "{} Pa", read(Parameter::PressureAOffset));
     assert!(read(Parameter::PressureBOffset).abs() < 2e4, "{} Pa", read(Parameter::PressureBOffset));
+}
+
+/// Of a drive whose file holds a leak, and that now leaks by another amount.
+#[test]
+fn a_base_near_its_noise_makes_up_for_a_change_by_what_is_left_of_the_amount() {
+    const THEN: f64 = 2e-12;
+    let machine = press(&[(Parameter::ViscousFriction, 4e4), (Parameter::InternalLeakage, THEN)]);
+    let noise = [(Signal::PressureA, 1e4), (Signal::PressureB, 1e4), (Signal::Position, 1e-5)];
+    let effect = *CATALOGUE.iter().find(|effect| effect.name == "internal-leakage").unwrap();
+    let held = [effect];
+    let changeable: Vec<&EffectParameter> = effect.forms[0].iter().collect();
+    let judged = [Signal::Position, Signal::PressureA, Signal::PressureB];
+    let scene = Scene { held: &held, changeable: &changeable, ..scene(&machine, &judged) };
+    let known = Freedom::Near { nominal: THEN, most: AMOUNT_KNOWN * THEN, within: None };
+    let free = [Free { parameter: Parameter::InternalLeakage, freedom: known }];
+    let made_up = |leak: f64| {
+        let truth = machine.with(&[(Parameter::InternalLeakage, leak)]);
+        let case = Prepared::new(&recorded(&truth, &noise), &machine, LoadSource::Constant, None).unwrap();
+        let training = [&case];
+        let question = Question { scene: &scene, base_parameters: &free, hypotheses: &held, training: &training };
+        let base = Candidate::rough(&question, None).unwrap();
+        let changed = accepted_alone("internal-leakage", &scene, &[], &truth);
+        (base.uses_up(&question, effect.forms[0]), base.makes_up_for_change(&question, &changed))
+    };
+    assert_eq!(made_up(1.02 * THEN), (false, false));
+    assert_eq!(made_up(1.13 * THEN), (true, true));
+    // Far off, the misfit itself has to go.
+    assert_eq!(made_up(3.0 * THEN), (true, false));
 }
