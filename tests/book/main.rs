@@ -4,6 +4,7 @@ mod budget;
 mod built;
 mod circles;
 mod crates;
+mod cycles;
 mod effects;
 mod links;
 mod table;

@@ -4,10 +4,12 @@
 
 #[cfg(unix)]
 mod budget;
+mod cycles;
 mod image;
 mod log;
 mod overflow;
 mod parity;
+mod sequences;
 mod trials;
 #[cfg(unix)]
 mod whole;

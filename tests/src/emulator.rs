@@ -174,6 +174,18 @@ impl Processor {
         self.file(binary)
     }
 
+    /// The file of a binary with the commands of this file built in, see `firmware/commands.rs`.
+    ///
+    /// # Panics
+    /// It cannot be built.
+    #[must_use]
+    pub fn built_under(self, commands: &Path, binary: &str) -> PathBuf {
+        let output = self.cargo("build", binary, "").env("FIRMWARE_COMMANDS", commands).output();
+        let output = output.expect("cargo runs this test, so it is there");
+        assert!(output.status.success(), "{binary} for {self:?}: {}", String::from_utf8_lossy(&output.stderr));
+        self.file(binary)
+    }
+
     fn file(self, binary: &str) -> PathBuf {
         Self::folder().join(self.target()).join("release").join(binary)
     }

@@ -6,6 +6,7 @@ pub mod any_machine;
 pub mod anything;
 #[path = "../../host-sim/tests/at_hand/mod.rs"]
 pub mod at_hand;
+pub mod cycles;
 pub mod drives;
 pub mod emulator;
 #[cfg(unix)]
@@ -14,6 +15,7 @@ pub mod in_the_loop;
 #[path = "../../firmware/tests/rig/parts.rs"]
 #[expect(dead_code, reason = "the firmware's own tests break more of them")]
 mod parts;
+pub mod peers_signal;
 pub mod python;
 pub mod rig;
 pub mod simulate;

@@ -108,7 +108,12 @@ impl<N: Number, E> Edges<N, E> {
     /// tick, a rod on the oil spring would build up an oscillation: the step's slope would assume a damping that the saturated flow does not give.
     #[inline]
     pub(crate) fn sloping(&self, opening: N, [flow, free]: [N; 2], across: N, filling: Filling<N>) -> N {
-        N::choose(flow.equals(free), || opening, || self.sloping_at_limit(opening, [flow, free], across, filling))
+        let is_within = flow.equals(free);
+        // What the rare case needs is stored only where it occurs.
+        if is_within.all() {
+            return opening;
+        }
+        N::choose(is_within, || opening, || self.sloping_at_limit(opening, [flow, free], across, filling))
     }
 
     /// The chord's share of the opening if a tick at the limit takes the pressure difference past the point where the limit's chord begins (the

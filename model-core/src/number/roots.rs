@@ -11,6 +11,12 @@ fn upper(a: u32, b: u32) -> u32 {
     ((u64::from(a) * u64::from(b)) >> 32) as u32
 }
 
+/// Upper word of the product of two signed words: one instruction on the M4.
+#[inline]
+fn upper_signed(a: i32, b: i32) -> i32 {
+    ((i64::from(a) * i64::from(b)) >> 32) as i32
+}
+
 impl PerUnit {
     /// Δ·w^-¼.
     #[inline]
@@ -71,9 +77,8 @@ impl InverseFourthRoot {
         let square = upper(z, z); // F30
         let fourth = upper(square, square); // F28
         let miss = (1 << FRACTION) - upper(mu, fourth).cast_signed(); // F28
-        #[expect(clippy::cast_possible_truncation, reason = "|miss| < 2^-12, so the correction is far below z")]
-        let correction = ((i64::from((z >> 1).cast_signed()) * i64::from(miss)) >> 29) as i32;
-        let z = z.wrapping_add_signed(correction);
+        // |miss| < 2^-12: shifted by 3 it fits, and the product needs its upper word alone.
+        let z = z.wrapping_add_signed(upper_signed((z >> 1).cast_signed(), miss << 3));
         #[expect(clippy::indexing_slicing, reason = "two bits index four octaves")]
         let mantissa = upper(z, TABLES.quarter_octaves[(zeros & 3) as usize]);
         Self { mantissa, quarters: zeros >> 2, up }
@@ -162,7 +167,6 @@ fn reciprocal(mu: u32) -> u32 {
     // One Newton step: z + z·(1 − μz).
     #[expect(clippy::cast_possible_wrap, reason = "μz is below 1 with 30 fractional bits")]
     let miss = (1 << 30) - upper(mu, seed) as i32; // F30
-    #[expect(clippy::cast_possible_truncation, reason = "miss < 2^-14")]
-    let correction = ((i64::from(seed.cast_signed()) * i64::from(miss)) >> 30) as i32;
-    seed.wrapping_add_signed(correction)
+    // miss < 2^-14: shifted by 2 it fits, and the product needs its upper word alone.
+    seed.wrapping_add_signed(upper_signed(seed.cast_signed(), miss << 2))
 }
