@@ -24,7 +24,9 @@ use crate::ports::{Flows, States};
 
 /// One of the states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum State {
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[doc(hidden)]
+pub enum State {
     Velocity,
     Position,
     Spool,
@@ -47,12 +49,14 @@ impl State {
 
 /// Nodes over one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Axis<N: Number> {
-    pub(crate) state: State,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Axis<N: Number> {
+    pub state: State,
     /// At the first node.
-    pub(crate) from: N,
+    pub from: N,
     /// Nodes per state.
-    pub(crate) per_state: N::Steep,
+    pub per_state: N::Steep,
 }
 
 impl<N: Number> Axis<N> {
@@ -70,12 +74,14 @@ pub(crate) const ACROSS: usize = 3;
 
 /// The table, per unit of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ValueGrid<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct ValueGrid<N: Number> {
     /// `None`: the first node everywhere.
-    pub(crate) first: Option<Axis<N>>,
+    pub first: Option<Axis<N>>,
     /// `None`: the first of each node's values.
-    pub(crate) second: Option<Axis<N>>,
-    pub(crate) values: [[N; ACROSS]; NODES],
+    pub second: Option<Axis<N>>,
+    pub values: [[N; ACROSS]; NODES],
 }
 
 /// Value along equally spaced values, `nodes` from the first; held at the ends.
@@ -112,7 +118,9 @@ impl<N: Number> ValueGrid<N> {
 
 /// A correction table of the links above the mechanics.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Unnamed<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub enum Unnamed<N: Number> {
     /// Flow into A.
     IntoA(ValueGrid<N>),
     /// Flow out of B.
@@ -135,10 +143,12 @@ impl<N: Number> Unnamed<N> {
 
 /// A table of forces on the rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Push<N: Number> {
-    pub(crate) table: ValueGrid<N>,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Push<N: Number> {
+    pub table: ValueGrid<N>,
     /// s: its steepest damping slope, which is part of the implicit side too.
-    pub(crate) damping: N::Steep,
+    pub damping: N::Steep,
 }
 
 impl<N: Number> Push<N> {

@@ -60,6 +60,8 @@ pub mod drive;
 pub mod effects;
 /// The flow link: spool, or pump, and pressures → flow into A and out of B.
 pub mod flow;
+#[doc(hidden)]
+pub mod literal;
 pub mod machine;
 /// The mechanics link: forces → velocity and position.
 pub mod mechanics;

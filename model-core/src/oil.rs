@@ -18,39 +18,45 @@ pub(crate) const SQUARINGS: i32 = 5;
 
 /// What the oil's viscosity depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Viscosity<N: Number> {
-    pub(crate) warming: Option<Warming<N>>,
-    pub(crate) thinning: Option<Thinning<N>>,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Viscosity<N: Number> {
+    pub warming: Option<Warming<N>>,
+    pub thinning: Option<Thinning<N>>,
     /// Viscosity of the thinnest oil, as a share of the viscosity that the machine's values are for.
-    pub(crate) thinnest: N,
+    pub thinnest: N,
     /// 1 over it.
-    pub(crate) per_thinnest: N::Steep,
+    pub per_thinnest: N::Steep,
 }
 
 /// Coefficients of the warming at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Warming<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Warming<N: Number> {
     /// (1 − e^(−h/τ))/`share`
-    pub(crate) rate: N::Gain,
+    pub rate: N::Gain,
     /// A small power of two.
-    pub(crate) share: N,
+    pub share: N,
     /// Magnitude of the loss.
-    pub(crate) change: N,
+    pub change: N,
     /// Whether the oil becomes thinner: it is then thinnest at the end, else at the start.
-    pub(crate) thins: bool,
+    pub thins: bool,
 }
 
 /// Coefficients of the viscosity over a measured temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Thinning<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Thinning<N: Number> {
     /// T0, per unit of temperature.
-    pub(crate) reference: N,
+    pub reference: N,
     /// κ per unit of temperature, over 2^[`SQUARINGS`].
-    pub(crate) rate: N::Gain,
+    pub rate: N::Gain,
     /// Largest magnitude of the exponent, over the same power.
-    pub(crate) most: N,
+    pub most: N,
     /// 1/3
-    pub(crate) third: N::Gain,
+    pub third: N::Gain,
 }
 
 /// The oil in one tick.

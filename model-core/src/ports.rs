@@ -39,6 +39,7 @@ impl<N: Number> AcrossEdges<N> {
 
 /// Flow into A and out of B.
 #[derive(Clone, Copy, Debug, PartialEq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Flows<F> {
     /// Into chamber A.
     pub a: F,
@@ -60,9 +61,11 @@ pub struct Linearised<N: Number> {
 
 /// Spool travel from the centre that passes no oil, to either side; `dead-zone-asymmetry` lets the sides differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Overlap<N> {
-    pub(crate) extending: N,
-    pub(crate) retracting: N,
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[doc(hidden)]
+pub struct Overlap<N> {
+    pub extending: N,
+    pub retracting: N,
 }
 
 impl<N: Number> Overlap<N> {

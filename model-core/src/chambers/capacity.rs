@@ -18,26 +18,30 @@ pub(crate) const POLYTROPIC: f64 = 4.0 / 3.0;
 
 /// Coefficients of both capacities.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Capacity<N: Number> {
-    pub(crate) a: ChamberCapacity<N>,
-    pub(crate) b: ChamberCapacity<N>,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Capacity<N: Number> {
+    pub a: ChamberCapacity<N>,
+    pub b: ChamberCapacity<N>,
     /// Whether there is air, so that it depends on the pressures.
-    pub(crate) is_airy: bool,
+    pub is_airy: bool,
     /// Pressure base over that of the atmosphere.
-    pub(crate) per_atmosphere: N::Steep,
+    pub per_atmosphere: N::Steep,
 }
 
 /// Coefficients of one chamber's capacity. Capacities are relative to the least one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ChamberCapacity<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct ChamberCapacity<N: Number> {
     /// share·A·stroke/V0: what a stroke adds to the volume, in V0.
-    pub(crate) reach: N::Steep,
+    pub reach: N::Steep,
     /// Least volume, in V0.
-    pub(crate) least: N,
+    pub least: N,
     /// Capacity of the oil in V0.
-    pub(crate) oil: N::Steep,
+    pub oil: N::Steep,
     /// That of the air in V0 at atmospheric pressure, polytropic.
-    pub(crate) air: N::Steep,
+    pub air: N::Steep,
 }
 
 impl<N: Number> Capacity<N> {

@@ -20,23 +20,27 @@ use crate::ports::{ChamberState, Flows};
 
 /// Coefficients of cavitation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cavitation<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Cavitation<N: Number> {
     /// Lowest pressure of a chamber.
-    pub(crate) floor: N,
+    pub floor: N,
     /// 1, as a slope.
-    pub(crate) unity: N::Steep,
-    pub(crate) unsprung: Unsprung<N>,
+    pub unity: N::Steep,
+    pub unsprung: Unsprung<N>,
 }
 
 /// By which share a force has less effect on the mass that is matched to fewer oil springs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Unsprung<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Unsprung<N: Number> {
     /// Without the spring of A.
-    pub(crate) a: N::Gain,
+    pub a: N::Gain,
     /// Without the spring of B.
-    pub(crate) b: N::Gain,
+    pub b: N::Gain,
     /// Without both, in addition to these two.
-    pub(crate) together: N::Gain,
+    pub together: N::Gain,
 }
 
 /// Voids of both chambers, in units of [`Bases::void_m3`](crate::machine::Bases::void_m3).

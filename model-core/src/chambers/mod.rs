@@ -28,50 +28,78 @@ pub mod cavitation;
 use capacity::Capacity;
 use cavitation::{Cavitation, Content, Crossing, Voids};
 
-use crate::effects::{Keeps, LinkEffects, Vocabulary};
+use crate::effects::{AnyEffect, Keeps, Knows, LinkEffects};
 use crate::number::Number;
 use crate::ports::{ChamberState, Filling, Flows, Linearised};
 
 /// Coefficients of both chambers at one tick, with those of their effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(bound = "N: crate::number::Written, E: serde::Serialize")
+)]
 pub struct Chambers<N: Number, E = ChamberEffects<N>> {
     /// ca: pressure rise in A over a tick at flow 1; where the capacity varies, at the least capacity.
-    pub(crate) stiffness_a: N::Gain,
+    #[doc(hidden)]
+    pub stiffness_a: N::Gain,
     /// cb: pressure rise in B over a tick at flow −1.
-    pub(crate) stiffness_b: N::Gain,
+    #[doc(hidden)]
+    pub stiffness_b: N::Gain,
     /// γ·ca and γ·cb as signals, for the diagonal of the implicit step.
-    pub(crate) implicit: Flows<N>,
+    #[doc(hidden)]
+    pub implicit: Flows<N>,
     /// γ·ca and −γ·α·cb: force on the rod by the pressure rise of a stage, per net oil of each chamber.
-    pub(crate) ahead: [N::Gain; 2],
+    #[doc(hidden)]
+    pub ahead: [N::Gain; 2],
     /// α = Ab/Aa. (5)
-    pub(crate) ratio: N::Gain,
+    #[doc(hidden)]
+    pub ratio: N::Gain,
     /// 1, as a slope.
-    pub(crate) unity: N::Steep,
-    pub(crate) effects: E,
+    #[doc(hidden)]
+    pub unity: N::Steep,
+    #[doc(hidden)]
+    pub effects: E,
 }
 
 /// Coefficients of the chambers' effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
 pub struct ChamberEffects<N: Number> {
     /// Internal leakage: flow per pressure difference, in the thinnest oil. 0 is neutral.
-    pub(crate) leakage: N,
+    #[doc(hidden)]
+    pub leakage: N,
     /// Whether leakage equalises the pressures within a few ticks, so that its mean flow must be the solved one.
-    pub(crate) leaks_fast: bool,
+    #[doc(hidden)]
+    pub leaks_fast: bool,
     /// Leakage to tank.
-    pub(crate) external: Option<ExternalLeakage<N>>,
+    #[doc(hidden)]
+    pub external: Option<ExternalLeakage<N>>,
     /// Effects that make the chambers softer than these coefficients.
-    pub(crate) capacity: Option<Capacity<N>>,
+    #[doc(hidden)]
+    pub capacity: Option<Capacity<N>>,
     /// Cavitation, which keeps the pressures above a floor.
-    pub(crate) cavitation: Option<Cavitation<N>>,
+    #[doc(hidden)]
+    pub cavitation: Option<Cavitation<N>>,
 }
 
 /// Laminar leakage out of both chambers: flow per pressure above tank, in the thinnest oil.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ExternalLeakage<N> {
-    pub(crate) a: N,
-    pub(crate) b: N,
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[doc(hidden)]
+pub struct ExternalLeakage<N> {
+    pub a: N,
+    pub b: N,
     /// Pressure of the tank.
-    pub(crate) tank: N,
+    pub tank: N,
+}
+
+/// Leakage of both chambers in a tick, in the oil of that tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaks<N> {
+    /// Past the piston: flow per pressure difference.
+    past: N,
+    external: Option<ExternalLeakage<N>>,
 }
 
 /// Effect of each chamber's net oil on the rod within a stage, as far as the chamber yields.
@@ -95,17 +123,6 @@ impl<N: Number, E> Chambers<N, E> {
 impl<N: Number> LinkEffects for ChamberEffects<N> {}
 
 impl<N: Number> ChamberEffects<N> {
-    /// The same effects in oil of this thinness.
-    #[inline]
-    fn thinned(self, thinness: N) -> Self {
-        let external = self.external.map(|out| ExternalLeakage {
-            a: out.a.times(thinness),
-            b: out.b.times(thinness),
-            tank: out.tank,
-        });
-        Self { leakage: self.leakage.times(thinness), external, ..self }
-    }
-
     /// Whether no effect is on.
     pub(crate) fn are_off(&self) -> bool {
         self.leakage == N::ZERO
@@ -133,7 +150,7 @@ impl<N: Number> Chambers<N> {
         (midway, position): (ChamberState<N>, N),
     ) {
         if let Some(cavitation) = &self.effects.cavitation {
-            self.take(cavitation, state, rest, voids, (flows, velocity, midway, position));
+            self.take::<AnyEffect>(cavitation, state, rest, voids, (flows, velocity, midway, position));
             return;
         }
         match &self.effects.capacity {
@@ -143,7 +160,7 @@ impl<N: Number> Chambers<N> {
     }
 
     /// The same for chambers that may cavitate; returns for each whether it emptied or filled in the tick.
-    pub(crate) fn take(
+    pub(crate) fn take<V: Knows<ChamberEffects<N>>>(
         &self,
         cavitation: &Cavitation<N>,
         state: &mut ChamberState<N>,
@@ -151,7 +168,8 @@ impl<N: Number> Chambers<N> {
         voids: &mut Voids<N>,
         (flows, velocity, midway, position): (Flows<N>, N, ChamberState<N>, N),
     ) -> Flows<Crossing<N>> {
-        let filled = self.effects.capacity.as_ref().map(|capacity| self.filled(capacity, midway, position));
+        let capacity = V::its(&self.effects).capacity.as_ref();
+        let filled = capacity.map(|capacity| self.filled(capacity, midway, position));
         let Self { stiffness_a, stiffness_b, .. } = *filled.as_ref().unwrap_or(self);
         let net = self.net(flows, velocity);
         let take = |stiffness, pressure: &mut N, rest: &mut N, void: &mut N::Travel, net| {
@@ -168,46 +186,54 @@ impl<N: Number> Chambers<N> {
 }
 
 impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
-    /// The chambers at these pressures, with the piston at this position (strokes) and oil of this thinness, where any of
-    /// these makes a difference.
+    /// The chambers at these pressures, with the piston at this position (strokes), where these make a difference.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn at<V: Vocabulary>(
-        &self,
-        pressures: ChamberState<N>,
-        position: N,
-        thinness: Option<N>,
-    ) -> Option<Self> {
-        let effects = V::on(self.effects.kept())?;
-        if effects.capacity.is_none() && thinness.is_none() {
-            return None;
+    pub(crate) fn at<V: Knows<ChamberEffects<N>>>(&self, pressures: ChamberState<N>, position: N) -> Option<Self> {
+        let capacity = V::of(self.effects.kept())?.capacity.as_ref()?;
+        Some(self.filled(capacity, pressures, position))
+    }
+
+    /// The leakage in oil of this thinness; `None` is that of the machine's values.
+    #[inline]
+    pub(crate) fn leaks<V: Knows<ChamberEffects<N>>>(&self, thinness: Option<N>) -> Leaks<N> {
+        let Some(effects) = V::of(self.effects.kept()) else { return Leaks { past: N::ZERO, external: None } };
+        let thinned = |flow: N| thinness.map_or(flow, |thinness| flow.times(thinness));
+        Leaks {
+            past: thinned(effects.leakage),
+            external: effects.external.map(|out| ExternalLeakage { a: thinned(out.a), b: thinned(out.b), ..out }),
         }
-        let mut filled = match &effects.capacity {
-            Some(capacity) => self.filled(capacity, pressures, position),
-            None => *self,
-        };
-        if let Some(thinness) = thinness {
-            filled.effects = filled.effects.changed(|effects| effects.thinned(thinness));
-        }
-        Some(filled)
+    }
+
+    /// The leakage past the piston, where there may be any.
+    #[inline]
+    fn past<V: Knows<ChamberEffects<N>>>(effects: &ChamberEffects<N>, leaks: &Leaks<N>) -> Option<N> {
+        if V::is_off(effects.leakage) { None } else { Some(leaks.past) }
+    }
+
+    /// The leakage out of both chambers, where there is any.
+    #[inline]
+    fn out<V: Knows<ChamberEffects<N>>>(effects: &ChamberEffects<N>, leaks: &Leaks<N>) -> Option<ExternalLeakage<N>> {
+        if V::KNOWN && effects.external.is_none() { None } else { leaks.external }
     }
 
     /// Pressures halfway through a tick that starts at these with these flows at the ports, for chambers whose capacity depends on the
     /// pressures; as implicit as the step, so that a stiff chamber does not overshoot where it is filled to.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn midway<V: Vocabulary>(
+    pub(crate) fn midway<V: Knows<ChamberEffects<N>>>(
         &self,
         pressures: ChamberState<N>,
         velocity: N,
         ports: Flows<N>,
         flows: &Flows<Linearised<N>>,
+        leaks: &Leaks<N>,
     ) -> Option<ChamberState<N>> {
-        let capacity = V::on(self.effects.kept())?.capacity.as_ref()?;
+        let capacity = V::of(self.effects.kept())?.capacity.as_ref()?;
         if !capacity.is_airy {
             return None;
         }
-        let (net, yielding) = (self.net(ports, velocity), self.yielding::<V>(flows));
+        let (net, yielding) = (self.net(ports, velocity), self.yielding::<V>(flows, leaks));
         let rise = self.rise(Flows { a: yielding.a.of(net.a), b: yielding.b.of(net.b) });
         Some(ChamberState { a: pressures.a + rise.a.halved(), b: pressures.b + rise.b.halved() })
     }
@@ -292,11 +318,21 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     /// Flow into A and out of B with the leakage past the piston and out of both chambers.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn inflow<V: Vocabulary>(&self, flows: Flows<N>, pressures: ChamberState<N>) -> Flows<N> {
-        let Some(effects) = V::on(self.effects.kept()) else { return flows };
-        let leaked = effects.leakage.times(pressures.a - pressures.b);
-        let inner = Flows { a: flows.a - leaked, b: flows.b - leaked };
-        let Some(ExternalLeakage { a, b, tank }) = effects.external else { return inner };
+    pub(crate) fn inflow<V: Knows<ChamberEffects<N>>>(
+        &self,
+        flows: Flows<N>,
+        pressures: ChamberState<N>,
+        leaks: &Leaks<N>,
+    ) -> Flows<N> {
+        let Some(effects) = V::of(self.effects.kept()) else { return flows };
+        let inner = match Self::past::<V>(effects, leaks) {
+            Some(past) => {
+                let leaked = past.times(pressures.a - pressures.b);
+                Flows { a: flows.a - leaked, b: flows.b - leaked }
+            }
+            None => flows,
+        };
+        let Some(ExternalLeakage { a, b, tank }) = Self::out::<V>(effects, leaks) else { return inner };
         Flows { a: inner.a - a.times(pressures.a - tank), b: inner.b + b.times(pressures.b - tank) }
     }
 
@@ -304,11 +340,17 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     ///
     /// With the mean of start and end, leakage out of one chamber equals leakage into the other to the bit, and rounding creates no oil.
     #[inline]
-    pub(crate) fn mean<V: Vocabulary>(&self, side: &Linearised<N>, from: N, to: N, solved: Option<N>) -> N {
+    pub(crate) fn mean<V: Knows<ChamberEffects<N>>>(
+        &self,
+        side: &Linearised<N>,
+        from: N,
+        to: N,
+        solved: Option<N>,
+    ) -> N {
         let of_its_ends = || (from + to).halved();
         match solved {
             None => of_its_ends(),
-            Some(solved) if V::on(self.effects.kept()).is_some_and(|effects| effects.leaks_fast) => solved,
+            Some(solved) if V::of(self.effects.kept()).is_some_and(|effects| effects.leaks_fast) => solved,
             Some(solved) => N::choose(side.opening.equals(N::ZERO), of_its_ends, || solved),
         }
     }
@@ -318,16 +360,25 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
     /// Leakage couples the chambers; on the diagonal it counts twice, which over-damps that coupling.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn yielding<V: Vocabulary>(&self, flows: &Flows<Linearised<N>>) -> Flows<N> {
-        let Some(effects) = V::on(self.effects.kept()) else {
+    pub(crate) fn yielding<V: Knows<ChamberEffects<N>>>(
+        &self,
+        flows: &Flows<Linearised<N>>,
+        leaks: &Leaks<N>,
+    ) -> Flows<N> {
+        let tight = || {
             let side = |implicit: N, side: &Linearised<N>| {
                 let yields = || N::inverse_one_plus([implicit.times(side.opening)], [side.slope]);
                 N::choose(side.opening.is_nothing(), || N::ONE, yields)
             };
-            return Flows { a: side(self.implicit.a, &flows.a), b: side(self.implicit.b, &flows.b) };
+            Flows { a: side(self.implicit.a, &flows.a), b: side(self.implicit.b, &flows.b) }
         };
-        let twice = effects.leakage + effects.leakage;
-        let [out_a, out_b] = effects.external.map_or([twice; 2], |out| [twice + out.a, twice + out.b]);
+        let Some(effects) = V::of(self.effects.kept()) else { return tight() };
+        let (past, out) = (Self::past::<V>(effects, leaks), Self::out::<V>(effects, leaks));
+        if past.is_none() && out.is_none() {
+            return tight();
+        }
+        let twice = past.map_or(N::ZERO, |past| past + past);
+        let [out_a, out_b] = out.map_or([twice; 2], |out| [twice + out.a, twice + out.b]);
         let side = |implicit: N, side: &Linearised<N>, leakage: N| {
             let weights = || [implicit.times(side.opening), implicit.times(leakage)];
             let yields = || N::inverse_one_plus(weights(), [side.slope, self.unity]);

@@ -104,6 +104,7 @@ impl<R: Real> Builder<'_, R> {
         let viscous = self.viscous(mass);
         let hard = N::gain(viscous).is_none();
         let travel = R::constant(self.tick_s * self.bases.velocity_m_per_s) / self.get(P::Stroke);
+        let (dry, turn) = self.dry_friction(mass)?;
         Ok(Mechanics {
             row: Row {
                 mobility: self.gain::<N>(
@@ -133,11 +134,8 @@ impl<R: Real> Builder<'_, R> {
             gamma: self.gain::<N>("the step's γ", P::Stroke, R::constant(GAMMA))?,
             travel: self.gain::<N>("strokes per tick", P::Stroke, travel)?,
             load: self.signal("load over full force", P::LoadForce, self.force(P::LoadForce))?,
-            effects: MechanicalEffects {
-                dry: self.dry_friction(mass)?,
-                resistance: self.resistance(mass)?,
-                push: self.push()?,
-            },
+            turn,
+            effects: MechanicalEffects { dry, resistance: self.resistance(mass)?, push: self.push()? },
         })
     }
 
@@ -150,7 +148,8 @@ impl<R: Real> Builder<'_, R> {
         strengths.iter().any(|&strength| !self.get(strength).is_nil())
     }
 
-    fn dry_friction<N: Number<Real = R>>(&self, mass: R) -> Result<DryFriction<N>, MachineError> {
+    /// Dry friction, and the velocity that its constant parts, of both directions together, take in a tick.
+    fn dry_friction<N: Number<Real = R>>(&self, mass: R) -> Result<(DryFriction<N>, N), MachineError> {
         // With bristles the levels are shares of their reference.
         let scale = if self.machine.has_bristles(&self.bases) {
             self.bases.force_n / self.machine.largest_friction_n(&self.bases)
@@ -193,18 +192,15 @@ impl<R: Real> Builder<'_, R> {
         } else {
             None
         };
-        Ok(DryFriction {
+        let dry = DryFriction {
             extending: self.signal("dry friction over full force", largest, extending)?,
             retracting: self.signal("dry friction over full force", largest, retracting)?,
-            turn: self.signal(
-                "velocity that dry friction takes in a tick",
-                largest,
-                (extending + retracting) * self.mobility(mass),
-            )?,
             stribeck,
             placed,
             seals,
-        })
+        };
+        let turn = (extending + retracting) * self.mobility(mass);
+        Ok((dry, self.signal("velocity that dry friction takes in a tick", largest, turn)?))
     }
 
     /// What a damper of 1 N s/m adds to the mass's own diagonal, over the diagonal.

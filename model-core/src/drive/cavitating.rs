@@ -6,8 +6,12 @@
 //! floor after τ, its mean fall is (1 − τ/2)·τ of the whole; twice that, the share, is 1 − (1 − τ)². If it rises in the last τ, the
 //! mean is τ²/2, and the share τ². The chamber takes in the resulting flow by the law above, with its whole stiffness.
 
+use super::baked::KnowsLinks;
 use super::{Drive, DriveInput, DriveState, Interfaces, Load};
+use crate::chambers::Chambers;
 use crate::chambers::cavitation::Cavitation;
+use crate::effects::AnyEffect;
+use crate::mechanics::Mechanics;
 use crate::number::{Mask, Number};
 use crate::ports::Flows;
 
@@ -22,6 +26,20 @@ impl<N: Number> Drive<N> {
         drive_input: DriveInput<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
+        self.cavitating::<AnyEffect, DELAY>(cavitation, state, drive_input, |links, state, drive_input| {
+            self.step_links(links, state, drive_input, load)
+        })
+    }
+
+    /// The same with a step of the links.
+    #[inline(always)]
+    pub(super) fn cavitating<V: KnowsLinks<N>, const DELAY: usize>(
+        &self,
+        cavitation: &Cavitation<N>,
+        state: &mut DriveState<N, DELAY>,
+        drive_input: DriveInput<N>,
+        step: impl Fn((&Chambers<N>, &Mechanics<N>), &mut DriveState<N, DELAY>, DriveInput<N>) -> Interfaces<N>,
+    ) -> Interfaces<N> {
         let &mut DriveState { chambers, rest, voids, motion, supply, poppets, warmth, .. } = state;
         let sensed = self.sensors.follows().then_some(state.sensed);
         let mut full = Cavitation::<N>::full(&voids);
@@ -32,8 +50,7 @@ impl<N: Number> Drive<N> {
                 (self.chambers.softened(*full), self.mechanics.heavier(share), share)
             });
             let links = left.as_ref().map(|(chambers, mechanics, _)| (chambers, mechanics));
-            let mut seen =
-                self.step_links(links.unwrap_or((&self.chambers, &self.mechanics)), state, drive_input, load);
+            let mut seen = step(links.unwrap_or((&self.chambers, &self.mechanics)), state, drive_input);
             if let DriveInput::Force { .. } = drive_input {
                 return seen;
             }
@@ -41,7 +58,7 @@ impl<N: Number> Drive<N> {
             (state.chambers, state.rest) = (chambers, rest);
             let taken = (seen.flows, seen.velocity, seen.midway, seen.position);
             let crossing =
-                self.chambers.take(cavitation, &mut state.chambers, &mut state.rest, &mut state.voids, taken);
+                self.chambers.take::<V>(cavitation, &mut state.chambers, &mut state.rest, &mut state.voids, taken);
             if !again || !(crossing.a.crosses | crossing.b.crosses).any() {
                 return seen;
             }

@@ -2,12 +2,14 @@
 //!
 //! The valve goes first; how the links below it are solved together is in `step`.
 
+mod baked;
 mod cavitating;
 mod feed;
 mod paper;
 mod state;
-mod step;
+pub(crate) mod step;
 
+use baked::KnowsLinks;
 use feed::{AnyFeed, Metered};
 use step::Links;
 
@@ -23,12 +25,14 @@ use crate::ports::{AcrossEdges, ChamberState, Flows, Forces, Spool, States};
 use crate::sensing::{Sensed, Sensors};
 use crate::valve::{Valve, ValveState};
 
+pub use baked::{Baked, BakedDrive};
 pub use paper::PaperDrive;
 pub use state::{DriveInput, DriveState, Interfaces, Load};
 pub(crate) use step::StageWeights;
 
 /// Where the oil comes from, with coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
 pub enum OilSource<N: Number> {
     /// Proportional valve on a constant supply.
     Valve(Valve<N>, Edges<N>),
@@ -40,21 +44,32 @@ pub enum OilSource<N: Number> {
 
 /// Coefficients of a drive at one tick: configuration, never state.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
 pub struct Drive<N: Number> {
-    pub(crate) source: OilSource<N>,
-    pub(crate) chambers: Chambers<N>,
-    pub(crate) mechanics: Mechanics<N>,
+    #[doc(hidden)]
+    pub source: OilSource<N>,
+    #[doc(hidden)]
+    pub chambers: Chambers<N>,
+    #[doc(hidden)]
+    pub mechanics: Mechanics<N>,
     /// The mechanics under a given force: without the oil spring, to whose frequency the mass of the other mechanics is matched.
-    pub(crate) unsprung: Mechanics<N>,
-    pub(crate) weights: StageWeights<N>,
-    pub(crate) sensors: Sensors<N>,
+    #[doc(hidden)]
+    pub unsprung: Mechanics<N>,
+    #[doc(hidden)]
+    pub weights: StageWeights<N>,
+    #[doc(hidden)]
+    pub sensors: Sensors<N>,
     /// Viscosity of the oil, where it changes.
-    pub(crate) viscosity: Option<Viscosity<N>>,
+    #[doc(hidden)]
+    pub viscosity: Option<Viscosity<N>>,
     /// Correction table of a flow or a spool travel; one of a force is in the mechanics.
-    pub(crate) unnamed: Option<Unnamed<N>>,
+    #[doc(hidden)]
+    pub unnamed: Option<Unnamed<N>>,
     /// Whether it is a valve-controlled drive without any effect, and without viscous friction that is too strong for its step.
-    pub(crate) plain: bool,
-    pub(crate) bases: Bases,
+    #[doc(hidden)]
+    pub plain: bool,
+    #[doc(hidden)]
+    pub bases: Bases,
 }
 
 impl<N: Number> Drive<N> {
@@ -132,13 +147,22 @@ impl<N: Number> Drive<N> {
         pressures: ChamberState<N>,
         position: N::Travel,
     ) -> DriveState<N, DELAY> {
+        self.at_rest_with::<AnyEffect, DELAY>(command, pressures, position)
+    }
+
+    fn at_rest_with<V: KnowsLinks<N>, const DELAY: usize>(
+        &self,
+        command: N,
+        pressures: ChamberState<N>,
+        position: N::Travel,
+    ) -> DriveState<N, DELAY> {
         let valve = match &self.source {
-            OilSource::Valve(valve, _) => valve.at_rest(command),
+            OilSource::Valve(valve, _) => valve.at_rest_with::<V, DELAY>(command),
             OilSource::Pump(_) | OilSource::None => ValveState::idle(),
         };
         let state = DriveState::at_rest(valve, pressures, position, self.unloaded());
         let poppets = match &self.source {
-            OilSource::Valve(_, edges) => edges.poppets(pressures),
+            OilSource::Valve(_, edges) => edges.poppets::<V>(pressures),
             OilSource::Pump(_) | OilSource::None => state.poppets,
         };
         DriveState { oil_temperature: self.reference_temperature(), poppets, ..state }
@@ -148,8 +172,14 @@ impl<N: Number> Drive<N> {
     #[must_use]
     #[inline]
     pub fn spool<const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> N {
+        self.spool_with::<AnyEffect, DELAY>(state)
+    }
+
+    #[inline]
+    fn spool_with<V: KnowsLinks<N>, const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> N {
         let spool = state.valve.spool();
         match &self.unnamed {
+            _ if !V::TABLED => spool,
             Some(Unnamed::Travel(table)) => spool + table.at(States::of(state, spool)),
             _ => spool,
         }
@@ -201,13 +231,8 @@ impl<N: Number> Drive<N> {
         drive_input: DriveInput<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
-        if N::LEAN
-            && self.plain
-            && let (DriveInput::Command(command), OilSource::Valve(valve, edges)) = (drive_input, &self.source)
-        {
-            let spool = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
-            let feed = Metered::new::<Plain>(edges, spool, state.poppets);
-            return self.links().step::<Plain, DELAY>(state, &feed, load);
+        if let Some(seen) = self.step_plain(state, drive_input, load) {
+            return seen;
         }
         if let Some(cavitation) = &self.chambers.effects.cavitation {
             return self.step_cavitating(cavitation, state, drive_input, load);
@@ -215,50 +240,86 @@ impl<N: Number> Drive<N> {
         self.step_links((&self.chambers, &self.mechanics), state, drive_input, load)
     }
 
+    /// One tick of a drive without effects under a command.
+    #[inline(always)]
+    fn step_plain<const DELAY: usize>(
+        &self,
+        state: &mut DriveState<N, DELAY>,
+        drive_input: DriveInput<N>,
+        load: Load<N>,
+    ) -> Option<Interfaces<N>> {
+        if N::LEAN
+            && self.plain
+            && let (DriveInput::Command(command), OilSource::Valve(valve, edges)) = (drive_input, &self.source)
+        {
+            let spool = valve.step_with::<Plain, DELAY>(&mut state.valve, command, AcrossEdges::NONE);
+            let feed = Metered::new::<Plain>(edges, spool, state.poppets);
+            return Some(self.links().step::<Plain, DELAY>(state, &feed, load));
+        }
+        None
+    }
+
     /// One tick of a drive that may have any effect, with these chambers and this mass instead of its own. Out of line, so that it takes no registers
     /// from the step without effects.
     #[inline(never)]
     pub(crate) fn step_links<const DELAY: usize>(
+        &self,
+        own: (&Chambers<N>, &Mechanics<N>),
+        state: &mut DriveState<N, DELAY>,
+        drive_input: DriveInput<N>,
+        load: Load<N>,
+    ) -> Interfaces<N> {
+        match self.force(drive_input, load) {
+            Some(force) => self.step_under_force(state, force),
+            None => self.step_fed::<AnyEffect, DELAY>(own, state, drive_input, load),
+        }
+    }
+
+    /// The force that moves the mass in place of oil, at both ends of the tick.
+    #[inline]
+    fn force(&self, drive_input: DriveInput<N>, load: Load<N>) -> Option<[N; 2]> {
+        match drive_input {
+            DriveInput::Force { from, to } => Some([from + load.from, to + load.to]),
+            _ if matches!(self.source, OilSource::None) => Some([load.from, load.to]),
+            _ => None,
+        }
+    }
+
+    /// One tick that oil moves.
+    #[inline(always)]
+    fn step_fed<V: KnowsLinks<N>, const DELAY: usize>(
         &self,
         (chambers, mechanics): (&Chambers<N>, &Mechanics<N>),
         state: &mut DriveState<N, DELAY>,
         drive_input: DriveInput<N>,
         load: Load<N>,
     ) -> Interfaces<N> {
-        if let DriveInput::Force { from, to } = drive_input {
-            return self.step_under_force(state, from + load.from, to + load.to);
-        }
-        if matches!(self.source, OilSource::None) {
-            return self.step_under_force(state, load.from, load.to);
-        }
         let closed = Flows { a: N::ZERO, b: N::ZERO };
         let given = |from, to| AnyFeed::Given { from, to, unity: self.chambers.unity };
         let feed = match (drive_input, &self.source) {
             (DriveInput::Command(command), OilSource::Valve(valve, edges)) => {
-                let spool = Self::step_valve(state, valve, edges, command);
-                let spool = self.shifted(state, spool);
-                Self::metered(state, edges, spool)
+                let spool = Self::step_valve::<V, DELAY>(state, valve, edges, command);
+                let spool = if V::TABLED { self.shifted(state, spool) } else { spool };
+                Self::metered::<V, DELAY>(state, edges, spool)
             }
             (DriveInput::Followed { command, spool }, OilSource::Valve(valve, edges)) => {
-                Self::step_valve(state, valve, edges, command);
-                Self::metered(state, edges, spool)
+                Self::step_valve::<V, DELAY>(state, valve, edges, command);
+                Self::metered::<V, DELAY>(state, edges, spool)
             }
-            (DriveInput::Spool(spool), OilSource::Valve(_, edges)) => Self::metered(state, edges, spool),
+            (DriveInput::Spool(spool), OilSource::Valve(_, edges)) => Self::metered::<V, DELAY>(state, edges, spool),
             (DriveInput::Pump(drive), OilSource::Pump(pump)) => AnyFeed::Pump(pump, drive),
             (DriveInput::Flow { from, to }, _) => given(from, to),
             _ => given(closed, closed),
         };
-        let seen = Links { chambers, mechanics, ..self.links() }.step::<AnyEffect, DELAY>(state, &feed, load);
+        let seen = Links { chambers, mechanics, ..self.links() }.step::<V, DELAY>(state, &feed, load);
         self.step_beside(state);
         seen
     }
 
     /// One tick under a given force, load included. Out of line, so that it takes no registers from the other steps.
     #[inline(never)]
-    fn step_under_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
-        let seen = self.step_force(state, from, to);
-        self.step_beside(state);
-        seen
+    fn step_under_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, force: [N; 2]) -> Interfaces<N> {
+        self.step_force::<AnyEffect, DELAY>(state, force)
     }
 
     /// What only reads the links: sensors and the oil's warming.
@@ -284,31 +345,31 @@ impl<N: Number> Drive<N> {
 
     /// Only the valve.
     #[inline]
-    fn step_valve<const DELAY: usize>(
+    fn step_valve<V: KnowsLinks<N>, const DELAY: usize>(
         state: &mut DriveState<N, DELAY>,
         valve: &Valve<N>,
         edges: &Edges<N>,
         command: N,
     ) -> Spool<N> {
-        let across = if valve.feels_flow::<AnyEffect>() {
-            edges.across_open(state.chambers, state.supply.pressure)
+        let across = if valve.feels_flow::<V>() {
+            edges.across_open::<V>(state.chambers, state.supply.pressure)
         } else {
             AcrossEdges::NONE
         };
-        valve.step_with::<AnyEffect, DELAY>(&mut state.valve, command, across)
+        valve.step_with::<V, DELAY>(&mut state.valve, command, across)
     }
 
     /// The edges under a spool, and the load-holding valves, which the pressures move first.
     #[inline]
-    fn metered<'a, const DELAY: usize>(
+    fn metered<'a, V: KnowsLinks<N>, const DELAY: usize>(
         state: &mut DriveState<N, DELAY>,
         edges: &'a Edges<N>,
         spool: Spool<N>,
     ) -> AnyFeed<'a, N> {
-        if let Some(holding) = edges.holding() {
+        if let Some(holding) = edges.holding::<V>() {
             state.poppets = holding.step(state.poppets, state.chambers);
         }
-        AnyFeed::Edges(Metered::new::<AnyEffect>(edges, spool, state.poppets))
+        AnyFeed::Edges(Metered::new::<V>(edges, spool, state.poppets))
     }
 
     /// The spool over a tick, plus the travel of a correction table.
@@ -320,8 +381,12 @@ impl<N: Number> Drive<N> {
     }
 
     /// Only the mechanics, under a given force of the oil.
-    #[inline]
-    fn step_force<const DELAY: usize>(&self, state: &mut DriveState<N, DELAY>, from: N, to: N) -> Interfaces<N> {
+    #[inline(always)]
+    fn step_force<V: KnowsLinks<N>, const DELAY: usize>(
+        &self,
+        state: &mut DriveState<N, DELAY>,
+        [from, to]: [N; 2],
+    ) -> Interfaces<N> {
         let (rise, links) = (to - from, self.links());
         let constant = self.unsprung.load;
         let ahead = rise.part(self.unsprung.gamma);
@@ -329,10 +394,11 @@ impl<N: Number> Drive<N> {
             start: from + constant,
             first: from + constant + ahead,
             second: ahead - ahead.part(self.unsprung.gamma),
-            around: links.surroundings::<AnyEffect, DELAY>(state, N::ZERO, links.oil::<AnyEffect, DELAY>(state)),
+            around: links.surroundings::<V, DELAY>(state, N::ZERO, links.oil::<V, DELAY>(state)),
         };
         let position = N::of_travel(state.motion.position);
-        let velocity = self.unsprung.step(&mut state.motion, forces);
+        let velocity = self.unsprung.step_with::<V>(&mut state.motion, forces);
+        self.step_beside(state);
         Interfaces {
             spool: None,
             flows: Flows { a: N::ZERO, b: N::ZERO },
@@ -343,8 +409,13 @@ impl<N: Number> Drive<N> {
         }
     }
 
-    /// Temperature that the machine's values are for, where the viscosity depends on temperature.
+    /// Temperature that the machine's values are for, per unit, where the viscosity follows a measured temperature.
+    #[must_use]
+    pub fn measured_oil(&self) -> Option<N> {
+        self.viscosity.and_then(|viscosity| viscosity.thinning).map(|thinning| thinning.reference)
+    }
+
     fn reference_temperature(&self) -> N {
-        self.viscosity.and_then(|viscosity| viscosity.thinning).map_or(N::ZERO, |thinning| thinning.reference)
+        self.measured_oil().unwrap_or(N::ZERO)
     }
 }

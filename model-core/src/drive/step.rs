@@ -39,9 +39,10 @@
 
 use crate::chambers::{ChamberEffects, Chambers};
 use crate::correction_table::Unnamed;
+use crate::drive::baked::KnowsLinks;
 use crate::drive::feed::Feed;
 use crate::drive::state::{DriveState, Interfaces, Load};
-use crate::effects::{Keeps, Vocabulary};
+use crate::effects::Keeps;
 use crate::flow::Started;
 use crate::flow::supply::{ROUNDS_OF_STAGE, ROUNDS_OF_TICK};
 use crate::mechanics::{MechanicalEffects, Mechanics};
@@ -51,11 +52,13 @@ use crate::ports::{ChamberState, Flows, Forces, States, Surroundings};
 
 /// Weights of a chamber's second stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct StageWeights<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct StageWeights<N: Number> {
     /// 1 − γ: weight of the flow that started to fill the chamber in the first stage.
-    pub(crate) rest: N::Gain,
+    pub rest: N::Gain,
     /// ½: weight of the change of that flow.
-    pub(crate) half: N::Gain,
+    pub half: N::Gain,
 }
 
 /// The links of a drive below its valve.
@@ -72,7 +75,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
     /// All links below the valve.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn step<V: Vocabulary, const DELAY: usize>(
+    pub(crate) fn step<V: KnowsLinks<N>, const DELAY: usize>(
         &self,
         state: &mut DriveState<N, DELAY>,
         feed: &impl Feed<N>,
@@ -83,26 +86,28 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
         let velocity = state.motion.velocity;
         let position = N::of_travel(state.motion.position);
         let oil = self.oil::<V, DELAY>(state);
-        let filled = self.chambers.at::<V>(pressures, position, oil.map(|oil| oil.thinness));
+        let leaks = self.chambers.leaks::<V>(oil.map(|oil| oil.thinness));
+        let filled = self.chambers.at::<V>(pressures, position);
         let chambers = filled.as_ref().unwrap_or(self.chambers);
         let spool = feed.spool().map_or(N::ZERO, |spool| (spool.from + spool.to).halved());
         let around = self.surroundings::<V, DELAY>(state, spool, oil);
-        let added = V::on(self.unnamed).map(|unnamed| unnamed.flows(States::of(state, spool)));
+        let unnamed = if V::TABLED { self.unnamed } else { None };
+        let added = unnamed.map(|unnamed| unnamed.flows(States::of(state, spool)));
         let with = |flows: Flows<N>| added.map_or(flows, |more| Flows { a: flows.a + more.a, b: flows.b + more.b });
         let equation = mechanics.equation::<V>(&state.motion, around);
         let constant = mechanics.load;
 
         let motion = &state.motion;
-        let beside = with(chambers.inflow::<V>(Flows { a: N::ZERO, b: N::ZERO }, pressures));
+        let beside = with(chambers.inflow::<V>(Flows { a: N::ZERO, b: N::ZERO }, pressures, &leaks));
         let filling = chambers.filling(mechanics.making_room::<V>(motion), beside);
         let Started { flows, drawn, roots } = feed.start::<V>(pressures, state.supply.pressure, filling);
         let inflow1 = Flows { a: flows.a.flow + beside.a, b: flows.b.flow + beside.b };
         // Air makes the capacity depend on the pressure: the tick takes the one that its middle will have. With that of its start an oscillating
         // chamber would lose oil from cycle to cycle.
-        let midway = chambers.midway::<V>(pressures, velocity, inflow1, &flows);
-        let refilled = midway.and_then(|midway| self.chambers.at::<V>(midway, position, oil.map(|oil| oil.thinness)));
+        let midway = chambers.midway::<V>(pressures, velocity, inflow1, &flows, &leaks);
+        let refilled = midway.and_then(|midway| self.chambers.at::<V>(midway, position));
         let chambers = refilled.as_ref().unwrap_or(chambers);
-        let yielding = chambers.yielding::<V>(&flows);
+        let yielding = chambers.yielding::<V>(&flows, &leaks);
         let start = self.pressure_force(pressures) + load.from + constant;
         let contact = equation.contact(velocity, start);
         let pushing = chambers.pushing(&yielding);
@@ -123,7 +128,8 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
         // Second stage.
         let pressures2 = ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b };
         let supply2 = feed.supplied::<V, ROUNDS_OF_STAGE>(pressures2, state.supply, drawn);
-        let inflow2 = with(chambers.inflow::<V>(feed.end::<V>(pressures2, supply2.pressure, roots), pressures2));
+        let fed = feed.end::<V>(pressures2, supply2.pressure, roots);
+        let inflow2 = with(chambers.inflow::<V>(fed, pressures2, &leaks));
         let StageWeights { rest, half } = self.weights;
         // In this order no partial sum leaves the format before the other sums do.
         let left = |net: N, more: N, stays: N| N::dot([rest, half], [net, more]) + (net - stays);
@@ -170,19 +176,20 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
     /// The oil at the start of a tick, where it changes.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn oil<V: Vocabulary, const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Option<Oil<N>> {
-        V::on(self.viscosity).map(|viscosity| viscosity.oil(state.warmth, state.oil_temperature))
+    pub(crate) fn oil<V: KnowsLinks<N>, const DELAY: usize>(&self, state: &DriveState<N, DELAY>) -> Option<Oil<N>> {
+        let viscosity = if V::WARMS { self.viscosity } else { None };
+        viscosity.map(|viscosity| viscosity.oil(state.warmth, state.oil_temperature))
     }
 
     /// What friction depends on, in addition to the motion.
     #[inline]
-    pub(crate) fn surroundings<V: Vocabulary, const DELAY: usize>(
+    pub(crate) fn surroundings<V: KnowsLinks<N>, const DELAY: usize>(
         &self,
         state: &DriveState<N, DELAY>,
         spool: N,
         oil: Option<Oil<N>>,
     ) -> Surroundings<N> {
-        let pushed = V::on(self.mechanics.effects.kept()).is_some_and(|effects| effects.push.is_some());
+        let pushed = V::of(self.mechanics.effects.kept()).is_some_and(|effects| effects.push.is_some());
         Surroundings {
             pressed: state.chambers.a.max(N::ZERO) + state.chambers.b.max(N::ZERO),
             viscosity: oil.map_or(N::ZERO, |oil| oil.excess),

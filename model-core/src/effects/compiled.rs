@@ -1,22 +1,53 @@
 //! Which effects a step is compiled for: the equations are written once, and a drive without effects spends no time on checks for each of them.
+//!
+//! A step asks its vocabulary, a type, for the coefficients of each link's effects ([`Knows::of`]). That of a baked drive answers with the constants
+//! themselves, so that every branch on an effect is a branch on a constant, in each function by itself, whatever the compiler inlines.
+
+use crate::number::{Mask, Number};
 
 /// A group of effects that a drive may have.
 pub(crate) trait Vocabulary: Copy + core::fmt::Debug {
     /// Whether there is none.
     const PLAIN: bool;
+    /// Whether the drive is known when the program is compiled: what [`Knows::of`] gives is then constant.
+    const KNOWN: bool = false;
+    /// Whether a valve may feed the chambers.
+    const METERED: bool = true;
+    /// Whether a pump may feed them.
+    const PUMPED: bool = false;
+    /// Whether the oil's viscosity may change.
+    const WARMS: bool = false;
+    /// Whether a correction table may add to a flow or to the spool.
+    const TABLED: bool = false;
+    /// Whether viscous friction is too strong for a gain, where this is known.
+    const HARD: Option<bool> = None;
 
-    /// The coefficients of an effect, where it is on.
+    /// What a step remembers of an effect, where it is on.
     fn on<T>(effect: Option<&T>) -> Option<&T>;
+
+    /// Whether a coefficient is known to be 0.
+    #[inline]
+    fn is_off(coefficient: impl Number) -> bool {
+        Self::KNOWN && coefficient.is_nothing().all()
+    }
+}
+
+/// A vocabulary that has the coefficients `T` of a link's effects.
+pub(crate) trait Knows<T: LinkEffects>: Vocabulary {
+    /// The coefficients, where there are any; `kept` are those of the link.
+    fn of(kept: Option<&T>) -> Option<&T>;
+
+    /// The same where the link has them.
+    #[inline]
+    fn its(kept: &T) -> &T {
+        Self::of(Some(kept)).unwrap_or(kept)
+    }
 }
 
 /// Coefficients of a link's effects, or a type that keeps none.
 pub trait Keeps<T>: Copy {
     /// The coefficients.
     fn kept(&self) -> Option<&T>;
-
-    /// With the coefficients changed.
-    #[must_use]
-    fn changed(self, change: impl FnOnce(T) -> T) -> Self;
 }
 
 /// Coefficients of a link's effects.
@@ -27,20 +58,12 @@ impl<T: LinkEffects> Keeps<T> for T {
     fn kept(&self) -> Option<&T> {
         Some(self)
     }
-    #[inline]
-    fn changed(self, change: impl FnOnce(T) -> T) -> Self {
-        change(self)
-    }
 }
 
 impl<T: LinkEffects> Keeps<T> for Option<T> {
     #[inline]
     fn kept(&self) -> Option<&T> {
         self.as_ref()
-    }
-    #[inline]
-    fn changed(self, change: impl FnOnce(T) -> T) -> Self {
-        self.map(change)
     }
 }
 
@@ -52,10 +75,6 @@ impl<T> Keeps<T> for Nothing {
     #[inline]
     fn kept(&self) -> Option<&T> {
         None
-    }
-    #[inline]
-    fn changed(self, _: impl FnOnce(T) -> T) -> Self {
-        self
     }
 }
 
@@ -76,12 +95,29 @@ impl Vocabulary for Plain {
     }
 }
 
+impl<T: LinkEffects> Knows<T> for Plain {
+    #[inline]
+    fn of(_: Option<&T>) -> Option<&T> {
+        None
+    }
+}
+
 impl Vocabulary for AnyEffect {
     const PLAIN: bool = false;
+    const PUMPED: bool = true;
+    const WARMS: bool = true;
+    const TABLED: bool = true;
 
     #[inline]
     fn on<T>(effect: Option<&T>) -> Option<&T> {
         effect
+    }
+}
+
+impl<T: LinkEffects> Knows<T> for AnyEffect {
+    #[inline]
+    fn of(kept: Option<&T>) -> Option<&T> {
+        kept
     }
 }
 

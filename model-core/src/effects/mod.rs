@@ -19,7 +19,7 @@
 
 mod compiled;
 
-pub(crate) use compiled::{AnyEffect, Keeps, LinkEffects, Nothing, Plain, Vocabulary};
+pub(crate) use compiled::{AnyEffect, Keeps, Knows, LinkEffects, Nothing, Plain, Vocabulary};
 
 /// Passes the table to the macro `$then`, after that macro's other arguments. A new effect is a new entry, in the order of the chain, which is also
 /// the order of the machine file.

@@ -11,20 +11,31 @@ use crate::number::Number;
 
 /// Coefficients of the edges' effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
 pub struct EdgeEffects<N: Number> {
-    pub(crate) curve: Option<GainCurve<N>>,
-    pub(crate) sizes: EdgeSizes<N>,
-    pub(crate) return_line: Option<ReturnLine<N>>,
+    #[doc(hidden)]
+    pub curve: Option<GainCurve<N>>,
+    #[doc(hidden)]
+    pub sizes: EdgeSizes<N>,
+    #[doc(hidden)]
+    pub return_line: Option<ReturnLine<N>>,
     /// `tank-back-pressure`, its laminar part: half the return line's pressure drop per flow.
-    pub(crate) half_laminar: Option<N::Gain>,
-    pub(crate) leakage: Option<ValveLeakage<N>>,
-    pub(crate) rounding: Option<RoundedEdge<N>>,
-    pub(crate) droop: Option<Droop<N>>,
-    pub(crate) holding: Option<LoadHolding<N>>,
+    #[doc(hidden)]
+    pub half_laminar: Option<N::Gain>,
+    #[doc(hidden)]
+    pub leakage: Option<ValveLeakage<N>>,
+    #[doc(hidden)]
+    pub rounding: Option<RoundedEdge<N>>,
+    #[doc(hidden)]
+    pub droop: Option<Droop<N>>,
+    #[doc(hidden)]
+    pub holding: Option<LoadHolding<N>>,
     /// 1/`SLOPE_SCALE`: steepnesses are stored smaller by this factor, so that they fit a signal.
-    pub(crate) slope_fraction: N,
+    #[doc(hidden)]
+    pub slope_fraction: N,
     /// `SLOPE_SCALE`
-    pub(crate) slope_scale: N::Steep,
+    #[doc(hidden)]
+    pub slope_scale: N::Steep,
 }
 
 /// Divisor with which an opening times its root's slope fits a signal: 8192 at most; a root has 2600 at Δp = 0 with the
@@ -67,10 +78,12 @@ impl<N: Number> EdgeEffects<N> {
 
 /// `metering-asymmetry`: by which share the metering openings of the other edges exceed that of P-A. −1..4.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct EdgeSizes<N: Number> {
-    pub(crate) tank_a: Option<N::Gain>,
-    pub(crate) supply_b: Option<N::Gain>,
-    pub(crate) tank_b: Option<N::Gain>,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct EdgeSizes<N: Number> {
+    pub tank_a: Option<N::Gain>,
+    pub supply_b: Option<N::Gain>,
+    pub tank_b: Option<N::Gain>,
 }
 
 impl<N: Number> EdgeSizes<N> {
@@ -94,11 +107,13 @@ impl<N: Number> EdgeSizes<N> {
 /// o is the travel beyond the dead zone: `linear` bends the characteristic of the whole edge, `beyond` is the full edge that follows a notch.
 /// Two steps (7.5e-9) of error. Notched edges: Jelali & Kroll 2003, ch. 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct GainCurve<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct GainCurve<N: Number> {
     /// A quarter of both coefficients, which may be as large as 10.
-    pub(crate) quarters: [N::Gain; 2],
+    pub quarters: [N::Gain; 2],
     /// Opening at which the notch ends.
-    pub(crate) notch: N,
+    pub notch: N,
 }
 
 impl<N: Number> GainCurve<N> {
@@ -116,8 +131,10 @@ impl<N: Number> GainCurve<N> {
 /// has its own line; this is valid because only one of them returns at a time. R per unit, `K_Q`² included; error 4e-8 of the opening.
 /// Two orifices in series: Merritt 1967, ch. 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ReturnLine<N: Number> {
-    pub(crate) resistance: N::Gain,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct ReturnLine<N: Number> {
+    pub resistance: N::Gain,
 }
 
 impl<N: Number> ReturnLine<N> {
@@ -148,10 +165,12 @@ pub(crate) fn behind_laminar_line<N: Number>(across: N, reduced: N, transition: 
 /// x is the spool's travel from the centre. Turbulent like the edges themselves, and limited with them. Error 2e-8 of the opening,
 /// and 2e-9/reach² of it where x is about as large as reach. The leakage flow of a worn or underlapped spool: Merritt 1967, 5-4.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ValveLeakage<N: Number> {
-    pub(crate) opening: N,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct ValveLeakage<N: Number> {
+    pub opening: N,
     /// 1/reach²
-    pub(crate) narrowness: N::Steep,
+    pub narrowness: N::Steep,
 }
 
 impl<N: Number> ValveLeakage<N> {
@@ -166,9 +185,11 @@ impl<N: Number> ValveLeakage<N> {
 /// Far open it is b, at the edge c/2, and covered by far c²/4|b|: what leaks through the play of the spool falls with the length of its overlap.
 /// Error 1.5e-8 of full travel. Radial clearance and rounded corners: Merritt 1967, 5-2; leakage over an overlap: ibid., 5-4.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct RoundedEdge<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct RoundedEdge<N: Number> {
     /// c
-    pub(crate) rounding: N,
+    pub rounding: N,
 }
 
 impl<N: Number> RoundedEdge<N> {

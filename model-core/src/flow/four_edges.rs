@@ -8,7 +8,7 @@
 //! With every effect at 0 this is the flow of [`Edges`] except for rounding: one edge of each port then has the opening of the paper's
 //! valve, and the other is closed.
 
-use crate::effects::{Keeps, Vocabulary};
+use crate::effects::{Keeps, Knows};
 use crate::flow::effects::{EdgeEffects, EdgeSizes, behind_laminar_line};
 use crate::flow::opened::{Four, Opened};
 use crate::flow::supply::{Draw, SupplyState};
@@ -49,21 +49,22 @@ struct Metered<N> {
 impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     /// Flows with edges of these openings, at two chamber pressures and the supply's.
     #[inline]
-    pub(crate) fn flow_of_four(
+    pub(crate) fn flow_of_four<V: Knows<EdgeEffects<N>>>(
         &self,
         effects: &EdgeEffects<N>,
         (openings, poppets): (&Four<N>, Poppets<N>),
         pressures: ChamberState<N>,
         supply: N,
     ) -> Flows<N> {
-        let across = self.across_each(pressures, supply);
+        let effects = V::its(effects);
+        let across = self.across_each::<V>(pressures, supply);
         let openings = &effects.behind_holding(openings, poppets, &across);
-        self.passing(effects, openings, &openings.each(N::is_nothing), &across).ports()
+        self.passing::<V>(effects, openings, &openings.each(N::is_nothing), &across).ports()
     }
 
     /// Flows at the start of a tick that ends with the openings `to`, with their slopes, and what is drawn from the supply.
     #[inline]
-    pub(crate) fn linearised_of_four(
+    pub(crate) fn linearised_of_four<V: Knows<EdgeEffects<N>>>(
         &self,
         effects: &EdgeEffects<N>,
         spool: Spool<N>,
@@ -72,15 +73,16 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         supply: N,
         filling: Flows<Filling<N>>,
     ) -> (Flows<Linearised<N>>, N) {
-        let across = self.across_each(pressures, supply);
+        let effects = V::its(effects);
+        let across = self.across_each::<V>(pressures, supply);
         let held = |openings: &Four<N>| effects.behind_holding(openings, poppets, &across);
-        let (from, to) = (held(&self.openings(effects, spool.from)), held(to));
-        let started = self.way(effects, spool.from);
-        let way = N::choose(started.equals(N::ZERO), || self.way(effects, spool.to), || started);
+        let (from, to) = (held(&self.openings::<V>(effects, spool.from)), held(to));
+        let started = self.way::<V>(effects, spool.from);
+        let way = N::choose(started.equals(N::ZERO), || self.way::<V>(effects, spool.to), || started);
         let larger = larger(way, &from, &to);
         let ends = from.with(&to, |from, to| from.is_nothing() & to.is_nothing());
         let closed = ends.with(&larger, |ends, larger| ends & larger.is_nothing());
-        let passing = self.passing(effects, &from, &closed, &across);
+        let passing = self.passing::<V>(effects, &from, &closed, &across);
         // An edge fills the chamber with what the other edge of its port does not take away.
         let steep = |passing: Passing<N>, opening: N, across: N, filling: Filling<N>| {
             let opening = self.sloping(opening, [passing.flow, passing.free], across, filling);
@@ -118,19 +120,19 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
     /// The supply at the end of a tick that ends with these openings and pressures; `drawn` is the flow at its start; in this many rounds.
     #[inline]
-    pub(crate) fn supplied<V: Vocabulary, const ROUNDS: usize>(
+    pub(crate) fn supplied<V: Knows<EdgeEffects<N>>, const ROUNDS: usize>(
         &self,
         opened: &Opened<N>,
         pressures: ChamberState<N>,
         supply: SupplyState<N>,
         drawn: N,
     ) -> SupplyState<N> {
-        let Some(effects) = V::on(self.effects.kept()) else { return supply };
+        let Some(effects) = V::of(self.effects.kept()) else { return supply };
         let Some(droop) = &effects.droop else { return supply };
         let Some(openings) = &opened.four else { return supply };
         droop.after::<ROUNDS>(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {
             // What the tank edges pass does not come from the supply.
-            let across = Four { tank_a: N::ZERO, tank_b: N::ZERO, ..self.across_each(pressures, supply) };
+            let across = Four { tank_a: N::ZERO, tank_b: N::ZERO, ..self.across_each::<V>(pressures, supply) };
             let openings = effects.behind_holding(openings, opened.poppets, &across);
             let edge = |opening: N, across: N| {
                 let closed = opening.is_nothing();
@@ -150,8 +152,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
     /// The direction in which a spool meters, signed like it: 0 in the overlap of sharp edges, and in the middle of rounded ones, of which all are open.
     #[inline]
-    fn way(&self, effects: &EdgeEffects<N>, spool: N) -> N {
-        if effects.rounding.is_some() {
+    fn way<V: Knows<EdgeEffects<N>>>(&self, effects: &EdgeEffects<N>, spool: N) -> N {
+        if V::its(effects).rounding.is_some() {
             let [extending, retracting] = self.overlap.past_edges(spool);
             extending - retracting
         } else {
@@ -160,15 +162,17 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     }
 
     #[inline]
-    fn metered(&self, effects: &EdgeEffects<N>, spool: N) -> Metered<N> {
+    fn metered<V: Knows<EdgeEffects<N>>>(&self, effects: &EdgeEffects<N>, spool: N) -> Metered<N> {
+        let effects = V::its(effects);
         let [extending, retracting] = effects.metered(self.overlap.past_edges(spool));
         Metered { extending, retracting, leaking: effects.leaking(spool) }
     }
 
     /// Openings of the edges, flow gain included, none negative.
     #[inline]
-    pub(crate) fn openings(&self, effects: &EdgeEffects<N>, spool: N) -> Four<N> {
-        let Metered { extending, retracting, leaking } = self.metered(effects, spool);
+    pub(crate) fn openings<V: Knows<EdgeEffects<N>>>(&self, effects: &EdgeEffects<N>, spool: N) -> Four<N> {
+        let effects = V::its(effects);
+        let Metered { extending, retracting, leaking } = self.metered::<V>(effects, spool);
         let opening = |beyond: N| N::dot([self.gain], [beyond]);
         let tank = |opened: N| opening(effects.behind_line(opened + leaking, self.unity));
         let sizes = &effects.sizes;
@@ -196,8 +200,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
     /// Pressure differences over the edges.
     #[inline]
-    fn across_each(&self, pressures: ChamberState<N>, supply: N) -> Four<N> {
-        let lines = self.lines_at(supply);
+    fn across_each<V: Knows<EdgeEffects<N>>>(&self, pressures: ChamberState<N>, supply: N) -> Four<N> {
+        let lines = self.lines_at::<V>(supply);
         Four {
             supply_a: lines.supply - pressures.a,
             tank_a: pressures.a - lines.tank,
@@ -208,7 +212,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
     /// Flows through edges of these openings; nothing is computed where they are `closed`.
     #[inline]
-    fn passing(
+    fn passing<V: Knows<EdgeEffects<N>>>(
         &self,
         effects: &EdgeEffects<N>,
         openings: &Four<N>,
@@ -226,7 +230,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         let supply = |closed: N::Mask, opening: N, across: N| {
             unless(closed, &|| self.through(opening, across.orifice_root(self.transition)))
         };
-        let tank = |closed: N::Mask, opening: N, across: N| match effects.half_laminar {
+        let tank = |closed: N::Mask, opening: N, across: N| match V::its(effects).half_laminar {
             Some(half) => unless(closed, &|| {
                 self.through(opening, behind_laminar_line(across, N::dot([half], [opening]), self.transition))
             }),

@@ -24,19 +24,21 @@ pub type Poppets<N> = ChamberState<N>;
 
 /// Coefficients of `counterbalance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LoadHolding<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct LoadHolding<N: Number> {
     /// Pressure that opens each chamber's valve without a pilot; `None` where the chamber has no such valve.
-    pub(crate) settings: ChamberState<Option<N>>,
+    pub settings: ChamberState<Option<N>>,
     /// ¼, and a quarter of the pilot ratio.
-    pub(crate) quarters: [N::Gain; 2],
+    pub quarters: [N::Gain; 2],
     /// Opening per quarter of a pressure beyond the setting.
-    pub(crate) opening: N::Steep,
+    pub opening: N::Steep,
     /// Opening at the poppet's stop.
-    pub(crate) widest: N,
+    pub widest: N,
     /// 1 − e^(−h/τ)
-    pub(crate) share: N::Gain,
+    pub share: N::Gain,
     /// 1, as a slope.
-    pub(crate) unity: N::Steep,
+    pub unity: N::Steep,
 }
 
 impl<N: Number> LoadHolding<N> {

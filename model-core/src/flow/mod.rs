@@ -31,7 +31,7 @@ pub(crate) mod supply;
 use effects::EdgeEffects;
 use load_holding::LoadHolding;
 
-use crate::effects::{AnyEffect, Keeps, Vocabulary};
+use crate::effects::{AnyEffect, Keeps, Knows};
 use crate::number::{Mask, Number};
 use crate::ports::{AcrossEdges, ChamberState, Filling, Flows, Linearised, Overlap, Spool};
 
@@ -61,6 +61,7 @@ pub(crate) struct Root<N: Number> {
 
 /// Pressures that the flow link works between.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Lines<N> {
     /// Supply p0.
     pub supply: N,
@@ -70,21 +71,34 @@ pub struct Lines<N> {
 
 /// The metering edges of a proportional valve: dead zone, square-root orifices, flow saturation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(bound = "N: crate::number::Written, E: serde::Serialize")
+)]
 pub struct Edges<N: Number, E = Option<EdgeEffects<N>>> {
-    pub(crate) overlap: Overlap<N>,
+    #[doc(hidden)]
+    pub overlap: Overlap<N>,
     /// `K_Q`·√(pressure base) / flow base.
-    pub(crate) gain: N::Gain,
+    #[doc(hidden)]
+    pub gain: N::Gain,
     /// Largest flow, both signs.
-    pub(crate) limit: N,
+    #[doc(hidden)]
+    pub limit: N,
     /// 1, as a slope.
-    pub(crate) unity: N::Steep,
+    #[doc(hidden)]
+    pub unity: N::Steep,
     /// Pressure difference at which the root turns from laminar to turbulent, `laminar-transition` included.
-    pub(crate) transition: N,
+    #[doc(hidden)]
+    pub transition: N,
     /// 256 times that: above it the root's slope is half of its chord's slope, with an error of 8e-6 of it.
-    pub(crate) turbulent: N,
-    pub(crate) lines: Lines<N>,
+    #[doc(hidden)]
+    pub turbulent: N,
+    #[doc(hidden)]
+    pub lines: Lines<N>,
     /// Effects that make the four edges differ; `None`: the two edges that are open at a time are equal.
-    pub(crate) effects: E,
+    #[doc(hidden)]
+    pub effects: E,
 }
 
 impl<N: Number, E> Edges<N, E> {
@@ -138,7 +152,7 @@ impl<N: Number> Edges<N> {
     /// Flows at a spool position, two chamber pressures, and that of a supply that droops.
     #[inline]
     pub fn flow(&self, spool: N, pressures: ChamberState<N>, supply: N) -> Flows<N> {
-        self.flow_behind(spool, pressures, supply, self.poppets(pressures))
+        self.flow_behind(spool, pressures, supply, self.poppets::<AnyEffect>(pressures))
     }
 
     /// The same with load-holding valves that are open this far.
@@ -149,24 +163,25 @@ impl<N: Number> Edges<N> {
 
     /// Load-holding valves that rest at these pressures.
     #[inline]
-    pub(crate) fn poppets(&self, pressures: ChamberState<N>) -> Poppets<N> {
-        self.holding().map_or(Poppets { a: N::ZERO, b: N::ZERO }, |holding| holding.at_rest(pressures))
-    }
-
-    /// Load-holding valves, where there are any.
-    #[inline]
-    pub(crate) fn holding(&self) -> Option<&LoadHolding<N>> {
-        self.effects.as_ref().and_then(|effects| effects.holding.as_ref())
+    pub(crate) fn poppets<V: Knows<EdgeEffects<N>>>(&self, pressures: ChamberState<N>) -> Poppets<N> {
+        let holding = self.holding::<V>();
+        holding.map_or(Poppets { a: N::ZERO, b: N::ZERO }, |holding| holding.at_rest(pressures))
     }
 }
 
 impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
+    /// Load-holding valves, where there are any.
+    #[inline]
+    pub(crate) fn holding<V: Knows<EdgeEffects<N>>>(&self) -> Option<&LoadHolding<N>> {
+        V::of(self.effects.kept()).and_then(|effects| effects.holding.as_ref())
+    }
+
     /// The openings at a spool position, with load-holding valves that are open this far.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn opened<V: Vocabulary>(&self, spool: N, poppets: Poppets<N>) -> Opened<N> {
-        match V::on(self.effects.kept()) {
-            Some(effects) => Opened { way: N::ZERO, four: Some(self.openings(effects, spool)), poppets },
+    pub(crate) fn opened<V: Knows<EdgeEffects<N>>>(&self, spool: N, poppets: Poppets<N>) -> Opened<N> {
+        match V::of(self.effects.kept()) {
+            Some(effects) => Opened { way: N::ZERO, four: Some(self.openings::<V>(effects, spool)), poppets },
             None => Opened { way: self.opening(spool), four: None, poppets },
         }
     }
@@ -174,15 +189,15 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     /// Flows through edges with these openings, in a tick that started with these roots.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn flow_with<V: Vocabulary>(
+    pub(crate) fn flow_with<V: Knows<EdgeEffects<N>>>(
         &self,
         opened: &Opened<N>,
         pressures: ChamberState<N>,
         supply: N,
         started: Option<Flows<Root<N>>>,
     ) -> Flows<N> {
-        if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &opened.four) {
-            return self.flow_of_four(effects, (four, opened.poppets), pressures, supply);
+        if let (Some(effects), Some(four)) = (V::of(self.effects.kept()), &opened.four) {
+            return self.flow_of_four::<V>(effects, (four, opened.poppets), pressures, supply);
         }
         let opening = opened.way;
         let across = self.across(opening, pressures);
@@ -194,7 +209,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
     /// Flows at the start of a tick; `end` is how far the edges are open at its end.
     #[inline]
-    pub(crate) fn linearised_with<V: Vocabulary>(
+    pub(crate) fn linearised_with<V: Knows<EdgeEffects<N>>>(
         &self,
         spool: Spool<N>,
         end: &Opened<N>,
@@ -202,9 +217,9 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         supply: N,
         filling: Flows<Filling<N>>,
     ) -> Started<N> {
-        if let (Some(effects), Some(four)) = (V::on(self.effects.kept()), &end.four) {
+        if let (Some(effects), Some(four)) = (V::of(self.effects.kept()), &end.four) {
             let end = (four, end.poppets);
-            let (flows, drawn) = self.linearised_of_four(effects, spool, end, pressures, supply, filling);
+            let (flows, drawn) = self.linearised_of_four::<V>(effects, spool, end, pressures, supply, filling);
             return Started { flows, drawn, roots: None };
         }
         let (from, to) = (self.opening(spool.from), end.way);
@@ -280,16 +295,20 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
 
     /// Sum of the pressure differences over the two open edges, for either direction of the spool, without sign.
     #[inline]
-    pub(crate) fn across_open(&self, pressures: ChamberState<N>, supply: N) -> AcrossEdges<N> {
-        let Lines { supply, tank } = self.lines_at(supply);
+    pub(crate) fn across_open<V: Knows<EdgeEffects<N>>>(
+        &self,
+        pressures: ChamberState<N>,
+        supply: N,
+    ) -> AcrossEdges<N> {
+        let Lines { supply, tank } = self.lines_at::<V>(supply);
         let sum = |from: N, to: N| (supply - from).magnitude() + (to - tank).magnitude();
         AcrossEdges { extending: sum(pressures.a, pressures.b), retracting: sum(pressures.b, pressures.a) }
     }
 
     /// The supply and tank pressures, with the supply as it is now where it droops.
     #[inline]
-    pub(crate) fn lines_at(&self, supply: N) -> Lines<N> {
-        let droops = self.effects.kept().is_some_and(|effects| effects.droop.is_some());
+    pub(crate) fn lines_at<V: Knows<EdgeEffects<N>>>(&self, supply: N) -> Lines<N> {
+        let droops = V::of(self.effects.kept()).is_some_and(|effects| effects.droop.is_some());
         if droops { Lines { supply, ..self.lines } } else { self.lines }
     }
 

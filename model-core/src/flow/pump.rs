@@ -23,20 +23,28 @@ pub struct PumpDrive<N> {
 
 /// A pump with a directional valve. Neither delivers backwards: a check valve holds the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
 pub struct Pump<N: Number> {
     /// Flow per speed into A.
-    pub(crate) into_a: N::Gain,
+    #[doc(hidden)]
+    pub into_a: N::Gain,
     /// Flow per speed into B.
-    pub(crate) into_b: N::Gain,
+    #[doc(hidden)]
+    pub into_b: N::Gain,
     /// Slip: flow lost per pressure difference.
-    pub(crate) slip: N,
+    #[doc(hidden)]
+    pub slip: N,
     /// Opening of the returning side.
-    pub(crate) back: N,
+    #[doc(hidden)]
+    pub back: N,
     /// Pressure difference at which the root turns from laminar to turbulent.
-    pub(crate) transition: N,
-    pub(crate) lines: Lines<N>,
+    #[doc(hidden)]
+    pub transition: N,
+    #[doc(hidden)]
+    pub lines: Lines<N>,
     /// 1, as a slope.
-    pub(crate) unity: N::Steep,
+    #[doc(hidden)]
+    pub unity: N::Steep,
 }
 
 impl<N: Number> Pump<N> {

@@ -52,13 +52,15 @@ pub(crate) const ROUNDS_OF_TICK: usize = 3;
 
 /// Coefficients of the droop at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Droop<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Droop<N: Number> {
     /// 1 − e, −R·w0 and −R·w1, times the fineness.
-    pub(crate) shares: [N::Gain; 3],
+    pub shares: [N::Gain; 3],
     /// 1 / fineness.
-    pub(crate) fine: N::Gain,
+    pub fine: N::Gain,
     /// R·w1: fall of the supply pressure at once, per flow.
-    pub(crate) at_once: N::Gain,
+    pub at_once: N::Gain,
 }
 
 impl<N: Number> Droop<N> {

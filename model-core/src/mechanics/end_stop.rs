@@ -10,22 +10,26 @@ use crate::number::{Compared, Mask, Number};
 
 /// Both stops, where they are within reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Stops<N: Number> {
-    pub(crate) retracted: Option<Face<N>>,
-    pub(crate) extended: Option<Face<N>>,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Stops<N: Number> {
+    pub retracted: Option<Face<N>>,
+    pub extended: Option<Face<N>>,
     /// Force per depth in strokes.
-    pub(crate) stiffness: N::Steep,
+    pub stiffness: N::Steep,
     /// γ·h/m·(c + γ·h·k) over the mass's own diagonal: what a stop adds to it.
-    pub(crate) weight: N::Steep,
+    pub weight: N::Steep,
     /// Velocity that moves the rod by a stroke in a tick.
-    pub(crate) per_stroke: N::Steep,
+    pub per_stroke: N::Steep,
 }
 
 /// Where a stop begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Face<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Face<N: Number> {
     /// As a position.
-    pub(crate) place: N::Travel,
+    pub place: N::Travel,
 }
 
 /// Whether a rod touches a stop, and which.

@@ -11,7 +11,7 @@
 use core::marker::PhantomData;
 
 use super::{Contact, MechanicalEffects, Mechanics, Resistance, Row};
-use crate::effects::{Keeps, Vocabulary};
+use crate::effects::{Keeps, Knows};
 use crate::mechanics::end_stop::Touch;
 use crate::mechanics::friction::Level;
 use crate::mechanics::lugre::Gripping;
@@ -106,7 +106,6 @@ fn together<N: Number>(pushed: Option<N>, dry: N, own: Option<N>) -> N {
 /// Forces that depend on the rod's own position, in one tick.
 #[derive(Clone, Copy, Debug)]
 struct Own<'a, N: Number> {
-    resistance: &'a Resistance<N>,
     from_middle: N,
     /// The bristles that dry friction acts through.
     grip: Option<Gripping<'a, N>>,
@@ -162,27 +161,16 @@ impl<N: Number> Row<N> {
     }
 }
 
-impl<N: Number> Own<'_, N> {
-    /// Their sum at the second stage, at the velocity `there`, after a first stage of mean velocity `ahead`, which moved the rod by `moved`
-    /// strokes.
-    #[cfg_attr(target_os = "none", inline)]
-    #[cfg_attr(not(target_os = "none"), inline(always))]
-    fn second(&self, there: N, ahead: N, moved: N) -> N {
-        let spring = self.resistance.load.map_or(N::ZERO, |load| load.second(self.from_middle, moved));
-        spring - self.grip.map_or(N::ZERO, |grip| grip.second(ahead, there))
-    }
-}
-
 impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
     /// The equation of motion of the mass from this state.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    pub(crate) fn equation<V: Vocabulary>(
+    pub(crate) fn equation<V: Knows<MechanicalEffects<N>>>(
         &self,
         state: &MotionState<N>,
         around: Surroundings<N>,
     ) -> Equation<'_, N, V, E> {
-        let effects = V::on(self.effects.kept());
+        let effects = V::of(self.effects.kept());
         let equation = |row, level, held, own| Equation {
             mechanics: self,
             vocabulary: PhantomData,
@@ -220,47 +208,85 @@ impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
         let touched = touched.filter(|(_, touch)| touch.any().any());
         let held =
             touched.map(|(stops, touch)| Held { touch, stiffness: stops.stiffness, row: braked(N::ONE, stops.weight) });
-        let own = Some(Own { resistance, from_middle, grip, start: spring - bristle });
+        let own = Some(Own { from_middle, grip, start: spring - bristle });
         let level = if grip.is_some() { Level::NONE } else { level };
         equation(braked(N::ZERO, resistance.none), level, held, own)
     }
 }
 
-impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, N, V, E> {
+impl<'a, N: Number, V: Knows<MechanicalEffects<N>>, E: Keeps<MechanicalEffects<N>>> Equation<'a, N, V, E> {
     #[inline]
     fn effects(&self) -> Option<&'a MechanicalEffects<N>> {
-        V::on(self.mechanics.effects.kept())
+        V::of(self.mechanics.effects.kept())
+    }
+
+    /// Effects on the mass's own diagonal.
+    #[inline]
+    fn resistance(&self) -> Option<&'a Resistance<N>> {
+        self.effects()?.resistance.as_ref()
     }
 
     /// Forces that depend on the rod's own position.
     #[inline]
     fn own(&self) -> Option<&Own<'a, N>> {
-        V::on(self.own.as_ref())
+        if V::KNOWN && self.resistance().is_none() { None } else { V::on(self.own.as_ref()) }
     }
 
     /// The stop that the rod touches.
     #[inline]
     fn held(&self) -> Option<&Held<N>> {
-        V::on(self.held.as_ref())
+        let within_reach = || self.resistance().is_some_and(|resistance| resistance.stops.is_some());
+        if V::KNOWN && !within_reach() { None } else { V::on(self.held.as_ref()) }
+    }
+
+    /// The bristles that dry friction acts through.
+    #[inline]
+    fn grip(&self) -> Option<&Gripping<'a, N>> {
+        let bristly = || self.resistance().is_some_and(|resistance| resistance.bristles.is_some());
+        if V::KNOWN && !bristly() { None } else { self.own()?.grip.as_ref() }
+    }
+
+    /// Force of the table at the states of the tick's start.
+    #[inline]
+    fn pushed(&self) -> Option<N> {
+        let pushes = || self.effects().is_some_and(|effects| effects.push.is_some());
+        if V::KNOWN && !pushes() { None } else { V::on(self.pushed.as_ref()).copied() }
+    }
+
+    /// Level of dry friction, where it holds rigidly.
+    #[inline]
+    fn level(&self) -> Level<N> {
+        match self.effects() {
+            Some(effects) if V::KNOWN && effects.dry.is_off() => Level::NONE,
+            Some(effects) if V::KNOWN && effects.dry.stribeck.is_none() => self.level.without_stribeck(),
+            _ => self.level,
+        }
+    }
+
+    /// Whether it is known that no dry friction holds the rod.
+    #[inline]
+    fn glides(&self) -> bool {
+        V::PLAIN || V::KNOWN && self.effects().is_none_or(|effects| effects.dry.is_off())
     }
 
     /// How dry friction acts on a rod with this velocity under this force at the start of the tick.
     #[inline]
     pub(crate) fn contact(&self, velocity: N, force: N) -> Contact<N::Mask> {
-        if V::PLAIN {
+        if self.glides() {
             return Contact::FREE;
         }
         let force = self.own().map_or(force, |own| force + own.start);
-        let force = V::on(self.pushed.as_ref()).map_or(force, |&pushed| force + pushed);
+        let force = self.pushed().map_or(force, |pushed| force + pushed);
         let force = self.held().map_or(force, |held| held.with(force, held.pushes(held.touch.depth)));
-        self.level.contact(velocity, force)
+        self.level().contact(velocity, force)
     }
 
     /// Force per velocity that brakes the rod, where this is viscous friction alone and fits a gain. An effort is then the accelerating force;
     /// a single product turns it into the velocity gained.
     #[inline]
     fn viscous(&self) -> Option<N::Gain> {
-        let otherwise = !V::PLAIN && (self.mechanics.hard || self.row.share.is_some());
+        let braked = || if V::KNOWN { self.resistance().is_some() } else { self.row.share.is_some() };
+        let otherwise = !V::PLAIN && (V::HARD.unwrap_or(self.mechanics.hard) || braked());
         if otherwise { None } else { Some(self.mechanics.viscous) }
     }
 
@@ -279,12 +305,12 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn first_stage(&self, contact: Contact<N::Mask>, velocity: N) -> Stage<N> {
-        let (pushed, own) = (V::on(self.pushed.as_ref()).copied(), self.own().map(|own| own.start));
+        let (pushed, own) = (self.pushed(), self.own().map(|own| own.start));
         Stage {
             sticks: contact.sticks,
             velocity,
             slowed: self.viscous().map_or(N::ZERO, |viscous| N::dot([viscous], [velocity])),
-            beside: together(pushed, self.level.force(contact, velocity), own),
+            beside: together(pushed, self.level().force(contact, velocity), own),
             stop: self.held().map(|held| held.pushes(held.touch.depth)),
         }
     }
@@ -302,17 +328,22 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
             .effects()
             .and_then(|effects| effects.push.as_ref())
             .map(|push| push.at(States { velocity: there, ..self.states }));
-        let dry = self.level.force(contact, there);
+        let dry = self.level().force(contact, there);
         let changed = |own: Option<N>| (together(pushed, dry, own) - first.beside).halved();
-        let Some(own) = self.own() else { return Stage { beside: changed(None), ..plain } };
+        let (Some(own), Some(resistance)) = (self.own(), self.resistance()) else {
+            return Stage { beside: changed(None), ..plain };
+        };
         let ahead = velocity + gained.small_part(self.mechanics.gamma);
         let moved = N::dot([self.mechanics.travel], [ahead]);
         let stop = self.held().zip(first.stop).map(|(held, stop)| {
             // The share of the first stage's travel that is left in a spring's second; `push` counts it out of the stop's face.
-            let left = N::dot([own.resistance.second], [moved]);
+            let left = N::dot([resistance.second], [moved]);
             (held.pushes(held.touch.depth - held.touch.push(left)) - stop).halved()
         });
-        Stage { beside: changed(Some(own.second(there, ahead, moved))), stop, ..plain }
+        // At the velocity `there`, after a first stage of mean velocity `ahead`, which moved the rod by `moved` strokes.
+        let spring = resistance.load.map_or(N::ZERO, |load| load.second(own.from_middle, moved));
+        let second = spring - self.grip().map_or(N::ZERO, |grip| grip.second(ahead, there));
+        Stage { beside: changed(Some(second)), stop, ..plain }
     }
 
     /// Net force at the first stage; `trial` is this force at the rod's present velocity, `after` is this force after a gain of velocity.
@@ -447,14 +478,12 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
         let back = || N::choose(retracts, || (moved - self.turn()).max(self.turned(moved)), || moved);
         let extends = contact.extends & N::ZERO.above(moved);
         state.velocity = N::choose(extends, || (moved + self.turn()).min(self.turned(moved)), back);
-        if let Some(Own { resistance: Resistance { stops, .. }, grip, .. }) = self.own() {
-            if let Some(grip) = grip {
-                state.bristles = grip.after(mean);
-            }
-            if let Some(stops) = stops {
-                let was_free = !self.held().map_or(N::Mask::NONE, |held| held.touch.any());
-                return Moved { solved: mean, beyond: stops.set_down(&mut state.position, was_free), held };
-            }
+        if let Some(grip) = self.grip() {
+            state.bristles = grip.after(mean);
+        }
+        if let Some(stops) = self.resistance().and_then(|resistance| resistance.stops.as_ref()) {
+            let was_free = !self.held().map_or(N::Mask::NONE, |held| held.touch.any());
+            return Moved { solved: mean, beyond: stops.set_down(&mut state.position, was_free), held };
         }
         Moved { solved: mean, beyond: None, held }
     }
@@ -462,7 +491,7 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     /// What remains of a velocity that has reversed within the tick, if friction holds as hard as it can.
     #[inline]
     fn turned(&self, moved: N) -> N {
-        self.own().and_then(|own| own.grip).map_or(N::ZERO, |grip| moved.times(grip.turned()))
+        self.grip().map_or(N::ZERO, |grip| moved.times(grip.turned()))
     }
 
     /// Velocity that dry friction of both directions together takes in a tick.
@@ -470,9 +499,8 @@ impl<'a, N: Number, V: Vocabulary, E: Keeps<MechanicalEffects<N>>> Equation<'a, 
     fn turn(&self) -> N {
         let Some(effects) = self.effects() else { return N::ZERO };
         if self.own().is_none() && !effects.dry.varies() {
-            return effects.dry.turn;
+            return self.mechanics.turn;
         }
-        let grip = self.own().and_then(|own| own.grip);
-        N::dot([self.row.mobility], [grip.map_or_else(|| self.level.both(), |grip| grip.both())])
+        N::dot([self.row.mobility], [self.grip().map_or_else(|| self.level().both(), Gripping::both)])
     }
 }

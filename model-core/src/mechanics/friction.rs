@@ -41,52 +41,58 @@ impl<M: Mask> Contact<M> {
 
 /// Coefficients of all dry friction, per unit of force, or in shares of the bristles' reference. 0 is neutral.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct DryFriction<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct DryFriction<N: Number> {
     /// Against extending, the constant part.
-    pub(crate) extending: N,
+    pub extending: N,
     /// Against retracting, the constant part.
-    pub(crate) retracting: N,
-    /// Velocity that both constant parts together take in a tick.
-    pub(crate) turn: N,
-    pub(crate) stribeck: Option<Stribeck<N>>,
-    pub(crate) placed: Option<Placed<N>>,
+    pub retracting: N,
+    pub stribeck: Option<Stribeck<N>>,
+    pub placed: Option<Placed<N>>,
     /// Friction per sum of both pressures.
-    pub(crate) seals: Option<N>,
+    pub seals: Option<N>,
 }
 
 /// Break-away above the friction at speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Stribeck<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Stribeck<N: Number> {
     /// At rest.
-    pub(crate) excess: N,
+    pub excess: N,
     /// Velocity base over the velocity at which half of it has disappeared, times [`STRIBECK_WIDTH`].
-    pub(crate) per_velocity: N::Steep,
+    pub per_velocity: N::Steep,
     /// 1
-    pub(crate) unity: N::Steep,
+    pub unity: N::Steep,
 }
 
 /// Friction that depends on the rod's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Placed<N> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[doc(hidden)]
+pub struct Placed<N> {
     /// At mid-stroke.
-    pub(crate) level: N,
+    pub level: N,
     /// Additional friction with the rod fully out.
-    pub(crate) slope: N,
+    pub slope: N,
     /// Additional friction at both ends.
-    pub(crate) bow: N,
+    pub bow: N,
 }
 
 /// Viscous friction that depends on the rod's position, as a share of the machine's.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PlacedDrag<N> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[doc(hidden)]
+pub struct PlacedDrag<N> {
     /// In the oil that the machine's values are for.
-    pub(crate) share: Placed<N>,
+    pub share: Placed<N>,
     /// Least value over the stroke that slope and bow may leave.
-    pub(crate) slipperiest: N,
+    pub slipperiest: N,
     /// Least of the oil's viscosity.
-    pub(crate) thinnest: N,
+    pub thinnest: N,
     /// Least of both together, which the rod's own coefficients contain.
-    pub(crate) least: N,
+    pub least: N,
 }
 
 impl<N: Number> PlacedDrag<N> {
@@ -163,6 +169,12 @@ pub(crate) struct Level<N: Number> {
 impl<N: Number> Level<N> {
     /// No friction.
     pub(crate) const NONE: Self = Self::constant(N::ZERO, N::ZERO);
+
+    /// The same without the part that falls with velocity.
+    #[inline]
+    pub(crate) fn without_stribeck(self) -> Self {
+        Self { stribeck: None, ..self }
+    }
 
     /// Friction that does not depend on velocity.
     pub(crate) const fn constant(extending: N, retracting: N) -> Self {

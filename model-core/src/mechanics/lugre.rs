@@ -20,30 +20,34 @@ use crate::number::Number;
 
 /// Coefficients of the bristles at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bristles<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Bristles<N: Number> {
     /// Unit of the dry friction's levels and of the bristles' force.
-    pub(crate) reference: N,
+    pub reference: N,
     /// h·(velocity base)·stiffness/reference.
-    pub(crate) bend: Bend<N>,
+    pub bend: Bend<N>,
     /// What the stiffness adds to the mass's own diagonal at q = 1.
-    pub(crate) stiffness_weight: N::Steep,
+    pub stiffness_weight: N::Steep,
     /// What the damping adds to that diagonal.
-    pub(crate) damping_weight: N::Steep,
+    pub damping_weight: N::Steep,
     /// Velocity at which the direction counts half.
-    pub(crate) at_rest: N::Steep,
+    pub at_rest: N::Steep,
     /// 1
-    pub(crate) unity: N::Steep,
+    pub unity: N::Steep,
 }
 
 /// Bend of a tick at velocity 1, over the bend at the reference, times the factors that the step needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bend<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Bend<N: Number> {
     /// ½
-    pub(crate) half: N::Steep,
+    pub half: N::Steep,
     /// γ
-    pub(crate) ahead: N::Steep,
+    pub ahead: N::Steep,
     /// 1 − 2γ: the share of the first stage that is left in the second.
-    pub(crate) second: N::Steep,
+    pub second: N::Steep,
 }
 
 /// The bristles in one tick.

@@ -32,7 +32,7 @@ use lugre::Bristles;
 use position_load::PositionLoad;
 
 use crate::correction_table::Push;
-use crate::effects::{AnyEffect, Keeps, LinkEffects, Vocabulary};
+use crate::effects::{AnyEffect, Keeps, Knows, LinkEffects};
 use crate::number::{Mask, Number};
 use crate::ports::{Forces, MotionState, Surroundings};
 
@@ -43,72 +43,95 @@ pub const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 
 /// Coefficients of the mass at one tick, with those of its effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(bound = "N: crate::number::Written, E: serde::Serialize")
+)]
 pub struct Mechanics<N: Number, E = MechanicalEffects<N>> {
     /// The row with the least viscous friction.
-    pub(crate) row: Row<N>,
+    #[doc(hidden)]
+    pub row: Row<N>,
     /// That friction: force per velocity. 0 where it does not fit the format, because the mass is `hard`.
-    pub(crate) viscous: N::Gain,
+    #[doc(hidden)]
+    pub viscous: N::Gain,
     /// Whether viscous friction is so strong that full force moves the rod at a quarter of the velocity base at most.
-    pub(crate) hard: bool,
+    #[doc(hidden)]
+    pub hard: bool,
     /// γ
-    pub(crate) gamma: N::Gain,
+    #[doc(hidden)]
+    pub gamma: N::Gain,
     /// Strokes per tick at velocity 1.
-    pub(crate) travel: N::Gain,
+    #[doc(hidden)]
+    pub travel: N::Gain,
+    /// Velocity that the constant parts of dry friction, of both directions together, take in a tick.
+    #[doc(hidden)]
+    pub turn: N,
     /// Constant external force, positive extends.
-    pub(crate) load: N,
-    pub(crate) effects: E,
+    #[doc(hidden)]
+    pub load: N,
+    #[doc(hidden)]
+    pub effects: E,
 }
 
 /// Coefficients of the mass's effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
 pub struct MechanicalEffects<N: Number> {
     /// Dry friction.
-    pub(crate) dry: DryFriction<N>,
+    #[doc(hidden)]
+    pub dry: DryFriction<N>,
     /// Effects that add to the mass's own diagonal.
-    pub(crate) resistance: Option<Resistance<N>>,
+    #[doc(hidden)]
+    pub resistance: Option<Resistance<N>>,
     /// Correction table of forces.
-    pub(crate) push: Option<Push<N>>,
+    #[doc(hidden)]
+    pub push: Option<Push<N>>,
 }
 
 /// The equation of the velocity. All are divided by the whole diagonal: the mass's own, 1 + γ·h·D/m, and what effects add to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Row<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Row<N: Number> {
     /// Velocity gained in a tick per force.
-    pub(crate) mobility: N::Gain,
+    pub mobility: N::Gain,
     /// γ times `mobility`, for the oil springs in the eliminated equation.
-    pub(crate) pull: N::Gain,
+    pub pull: N::Gain,
     /// Velocity lost in a tick to viscous friction, per velocity.
-    pub(crate) drag: N::Gain,
+    pub drag: N::Gain,
     /// (1 − γ)/(1 + γ·h·D/m): the share of the first stage that the second continues with.
-    pub(crate) back: N::Gain,
+    pub back: N::Gain,
     /// The mass's own diagonal over this one, where effects add to it.
-    pub(crate) share: Option<N>,
+    pub share: Option<N>,
 }
 
 /// Effects on the mass's own diagonal. Weights are γ·h/m·s over the diagonal without them; 0 for those that are off.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Resistance<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Resistance<N: Number> {
     /// Weight of the machine's whole viscous friction.
-    pub(crate) viscosity: N::Steep,
-    pub(crate) drag: Option<PlacedDrag<N>>,
-    pub(crate) load: Option<PositionLoad<N>>,
+    pub viscosity: N::Steep,
+    pub drag: Option<PlacedDrag<N>>,
+    pub load: Option<PositionLoad<N>>,
     /// Weight of the load's stiffness.
-    pub(crate) load_weight: N::Steep,
-    pub(crate) bristles: Option<Bristles<N>>,
-    pub(crate) stops: Option<Stops<N>>,
+    pub load_weight: N::Steep,
+    pub bristles: Option<Bristles<N>>,
+    pub stops: Option<Stops<N>>,
     /// 1/γ
-    pub(crate) per_gamma: N::Gain,
+    pub per_gamma: N::Gain,
     /// 1 − 2γ: the share of the first stage's travel that is left in a spring's second stage.
-    pub(crate) second: N::Gain,
+    pub second: N::Gain,
     /// 0
-    pub(crate) none: N::Steep,
+    pub none: N::Steep,
 }
 
 impl<N: Number, E: Keeps<MechanicalEffects<N>>> Mechanics<N, E> {
     /// Velocity at which the rod makes room for oil over a tick that starts in this state: 0 where a stop has caught the rod by the end.
     #[inline]
-    pub(crate) fn making_room<V: Vocabulary>(&self, motion: &MotionState<N>) -> N {
-        let resistance = V::on(self.effects.kept()).and_then(|effects| effects.resistance.as_ref());
+    pub(crate) fn making_room<V: Knows<MechanicalEffects<N>>>(&self, motion: &MotionState<N>) -> N {
+        let resistance = V::of(self.effects.kept()).and_then(|effects| effects.resistance.as_ref());
         let Some(stops) = resistance.and_then(|resistance| resistance.stops.as_ref()) else { return motion.velocity };
         let ahead = N::travelled(motion.position, [self.travel], [motion.velocity]);
         N::pick(stops.touched(ahead).any(), N::ZERO, motion.velocity)
@@ -119,8 +142,8 @@ impl<N: Number, E> Mechanics<N, E> {
     /// The same mass with these effects.
     #[inline]
     pub(crate) fn with<F>(&self, effects: F) -> Mechanics<N, F> {
-        let &Self { row, viscous, hard, gamma, travel, load, .. } = self;
-        Mechanics { row, viscous, hard, gamma, travel, load, effects }
+        let &Self { row, viscous, hard, gamma, travel, turn, load, .. } = self;
+        Mechanics { row, viscous, hard, gamma, travel, turn, load, effects }
     }
 }
 
@@ -147,8 +170,7 @@ impl<N: Number> Mechanics<N> {
             back: back.as_gain(),
             share: self.row.share,
         };
-        let dry = DryFriction { turn: self.effects.dry.turn.times(share), ..self.effects.dry };
-        Self { row, effects: MechanicalEffects { dry, ..self.effects }, ..*self }
+        Self { row, turn: self.turn.times(share), ..*self }
     }
 
     /// One tick under the given forces. Returns the mean velocity of the tick.
@@ -158,7 +180,13 @@ impl<N: Number> Mechanics<N> {
             let around = Surroundings { sprung: N::ONE, ..forces.around };
             return self.heavier(forces.around.sprung).step(state, Forces { around, ..forces });
         }
-        let equation = self.equation::<AnyEffect>(state, forces.around);
+        self.step_with::<AnyEffect>(state, forces)
+    }
+
+    /// The same with the mass as it is.
+    #[inline]
+    pub(crate) fn step_with<V: Knows<MechanicalEffects<N>>>(&self, state: &mut MotionState<N>, forces: Forces<N>) -> N {
+        let equation = self.equation::<V>(state, forces.around);
         let contact = equation.contact(state.velocity, forces.start);
         let stage = equation.first_stage(contact, state.velocity);
         let first = equation.first(&stage, forces.first);

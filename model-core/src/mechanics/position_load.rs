@@ -6,20 +6,24 @@ use crate::number::Number;
 
 /// Coefficients of the load, per unit of force and strokes from mid-stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PositionLoad<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct PositionLoad<N: Number> {
     /// At mid-stroke.
-    pub(crate) force: N,
-    pub(crate) stiffness: Signed<N>,
-    pub(crate) bow: Signed<N>,
+    pub force: N,
+    pub stiffness: Signed<N>,
+    pub bow: Signed<N>,
     /// 2γ·stiffness where it is solved for: what the second stage takes back of the first stage's part.
-    pub(crate) taken_back: N::Steep,
+    pub taken_back: N::Steep,
 }
 
 /// A coefficient that may be large, with its sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Signed<N: Number> {
-    pub(crate) magnitude: N::Steep,
-    pub(crate) negative: bool,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Signed<N: Number> {
+    pub magnitude: N::Steep,
+    pub negative: bool,
 }
 
 impl<N: Number> Signed<N> {

@@ -27,7 +27,7 @@ use crate::number::{Number, SUM_BITS};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PerUnit(I4F28);
+pub struct PerUnit(#[doc(hidden)] pub I4F28);
 
 /// Fractional bits of a signal.
 pub(crate) const FRACTION: u32 = 28;

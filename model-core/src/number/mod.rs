@@ -309,3 +309,16 @@ pub trait Scalar: Number<Mask = bool, Value = <Self as Number>::Real> + PartialO
 }
 
 impl<N: Number<Mask = bool, Value = <N as Number>::Real> + PartialOrd> Scalar for N {}
+
+/// A number whose coefficients can be written: as Rust source by `host-sim export --bake`.
+#[cfg(feature = "serde")]
+pub trait Written:
+    Number<Gain: serde::Serialize, Steep: serde::Serialize, Travel: serde::Serialize> + serde::Serialize
+{
+}
+
+#[cfg(feature = "serde")]
+impl<N: Number<Gain: serde::Serialize, Steep: serde::Serialize, Travel: serde::Serialize> + serde::Serialize> Written
+    for N
+{
+}

@@ -17,11 +17,13 @@ pub(crate) fn fineness(share: f64) -> f64 {
 
 /// Coefficients of the approach at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Relaxation<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Relaxation<N: Number> {
     /// (1 − e^(−h/τ)) times the fineness.
-    pub(crate) share: N::Gain,
+    pub share: N::Gain,
     /// 1 / fineness.
-    pub(crate) fine: N::Gain,
+    pub fine: N::Gain,
 }
 
 impl<N: Number> Relaxation<N> {

@@ -9,45 +9,60 @@ use crate::ports::{ChamberState, MotionState};
 
 /// Coefficients of all sensors at one tick. With `None` the sensor reads the true value.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
 pub struct Sensors<N: Number> {
     /// Half the play between rod and sensor, strokes.
-    pub(crate) half_play: Option<N>,
-    pub(crate) lag: Option<Lag<N>>,
-    pub(crate) delay: Option<Delay<N>>,
+    #[doc(hidden)]
+    pub half_play: Option<N>,
+    #[doc(hidden)]
+    pub lag: Option<Lag<N>>,
+    #[doc(hidden)]
+    pub delay: Option<Delay<N>>,
     /// 1 + gain error of the position's sensor.
-    pub(crate) position: Option<N::Gain>,
-    pub(crate) pressure_a: Option<Reading<N>>,
-    pub(crate) pressure_b: Option<Reading<N>>,
-    pub(crate) spool: Option<Reading<N>>,
+    #[doc(hidden)]
+    pub position: Option<N::Gain>,
+    #[doc(hidden)]
+    pub pressure_a: Option<Reading<N>>,
+    #[doc(hidden)]
+    pub pressure_b: Option<Reading<N>>,
+    #[doc(hidden)]
+    pub spool: Option<Reading<N>>,
     /// 1
-    pub(crate) unity: N::Gain,
+    #[doc(hidden)]
+    pub unity: N::Gain,
 }
 
 /// First-order lag over a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lag<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Lag<N: Number> {
     /// e^(−h/T)
-    pub(crate) decay: N::Gain,
+    pub decay: N::Gain,
     /// T/h·(1 − e^(−h/T)): by how much the output falls behind, per travel of a tick.
-    pub(crate) behind: N::Gain,
+    pub behind: N::Gain,
 }
 
 /// Dead time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Delay<N> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[doc(hidden)]
+pub struct Delay<N> {
     /// Whole ticks.
-    pub(crate) ticks: usize,
+    pub ticks: usize,
     /// Remainder of the dead time, in ticks, 0..1.
-    pub(crate) rest: N,
+    pub rest: N,
 }
 
 /// Gain and offset of a sensor's reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Reading<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Reading<N: Number> {
     /// 1 + gain error.
-    pub(crate) factor: N::Gain,
+    pub factor: N::Gain,
     /// Offset that is added to the true value.
-    pub(crate) offset: N,
+    pub offset: N,
 }
 
 impl<N: Number> Reading<N> {

@@ -11,16 +11,24 @@ use crate::ports::{AcrossEdges, Overlap};
 
 /// Coefficients of the valve's effects at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
 pub struct ValveEffects<N: Number> {
-    pub(crate) drift: Option<NullDrift<N>>,
-    pub(crate) saturation: Option<SolenoidSaturation<N>>,
-    pub(crate) hysteresis: Option<Hysteresis<N>>,
-    pub(crate) flow_force: Option<FlowForce<N>>,
+    #[doc(hidden)]
+    pub drift: Option<NullDrift<N>>,
+    #[doc(hidden)]
+    pub saturation: Option<SolenoidSaturation<N>>,
+    #[doc(hidden)]
+    pub hysteresis: Option<Hysteresis<N>>,
+    #[doc(hidden)]
+    pub flow_force: Option<FlowForce<N>>,
     /// What the spool's position takes from its lead in a tick, where the spool is a second-order system: `back` of
     /// [`coefficients`](crate::coefficients)`::lags`.
-    pub(crate) swing: Option<N::Gain>,
-    pub(crate) speed_limit: Option<SpeedLimit<N>>,
-    pub(crate) stiction: Option<Stiction<N>>,
+    #[doc(hidden)]
+    pub swing: Option<N::Gain>,
+    #[doc(hidden)]
+    pub speed_limit: Option<SpeedLimit<N>>,
+    #[doc(hidden)]
+    pub stiction: Option<Stiction<N>>,
 }
 
 /// State of the valve's effects. An effect that is off leaves its part untouched.
@@ -119,9 +127,11 @@ impl<N: Number> ValveEffects<N> {
 /// Per unit spool travel. A tick uses the mean of both ends: its error is (h/τ)²/12 of the drift that is left, and 4e-7 of the
 /// travel in fixed point. The drift stands still while the drive input is below the command.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct NullDrift<N: Number> {
-    pub(crate) travel: N,
-    pub(crate) relaxation: Relaxation<N>,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct NullDrift<N: Number> {
+    pub travel: N,
+    pub relaxation: Relaxation<N>,
 }
 
 impl<N: Number> NullDrift<N> {
@@ -138,11 +148,13 @@ impl<N: Number> NullDrift<N> {
 /// Per unit spool travel from the centre; smooth to the first derivative where the whole gain is kept. Error in fixed point: 2e-8 and
 /// 8e-6·d² (the curvature's step). After the force characteristic of a proportional solenoid near its stop: Jelali & Kroll, *Hydraulic Servo-systems*, 2003, ch. 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SolenoidSaturation<N: Number> {
-    pub(crate) onset: N,
-    pub(crate) curvature: N::Steep,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct SolenoidSaturation<N: Number> {
+    pub onset: N,
+    pub curvature: N::Steep,
     /// Share of the gain.
-    pub(crate) kept: N,
+    pub kept: N,
 }
 
 impl<N: Number> SolenoidSaturation<N> {
@@ -160,10 +172,12 @@ impl<N: Number> SolenoidSaturation<N> {
 /// ½·width·(1 − spread, 1, 1 + spread), so the mean settles `width` apart from above and from below, at any rate. Per unit spool
 /// travel; exact but for one rounding. Krasnosel'skii & Pokrovskii, *Systems with Hysteresis*, 1989, §2 and §37.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Hysteresis<N: Number> {
-    pub(crate) half_widths: [N; 3],
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Hysteresis<N: Number> {
+    pub half_widths: [N; 3],
     /// ⅓
-    pub(crate) third: N::Gain,
+    pub third: N::Gain,
 }
 
 impl<N: Number> Hysteresis<N> {
@@ -184,16 +198,18 @@ impl<N: Number> Hysteresis<N> {
 /// c at the end is solved for, so that no force, however strong, makes the spool oscillate from tick to tick. For a stuck spool that
 /// follows two lags the force at its free position is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct FlowForce<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct FlowForce<N: Number> {
     /// Share of its opening by which the spool closes, per pressure.
-    pub(crate) closing: N,
-    pub(crate) overlap: Overlap<N>,
+    pub closing: N,
+    pub overlap: Overlap<N>,
     /// Weights of both ends of the tick.
-    pub(crate) weights: [N::Gain; 2],
+    pub weights: [N::Gain; 2],
     /// Share of each end's c that the lags let through within the tick.
-    pub(crate) shares: [N; 2],
+    pub shares: [N; 2],
     /// 1, as a slope.
-    pub(crate) unity: N::Steep,
+    pub unity: N::Steep,
 }
 
 impl<N: Number> FlowForce<N> {
@@ -218,22 +234,26 @@ impl<N: Number> FlowForce<N> {
 /// its limit; while only the pull is, to second order in the tick; in the ticks in which a limit begins and ends the position is off by no more
 /// than half of what the speed changes in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SpeedLimit<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct SpeedLimit<N: Number> {
     /// Way in a tick.
-    pub(crate) step: N,
+    pub step: N,
     /// Of a second-order spool.
-    pub(crate) swinging: Option<SwingingLimit<N>>,
+    pub swinging: Option<SwingingLimit<N>>,
 }
 
 /// Limits of a second-order spool.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SwingingLimit<N: Number> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct SwingingLimit<N: Number> {
     /// Largest lead l − x = x'/ω.
-    pub(crate) lead: N,
+    pub lead: N,
     /// Largest distance to the set value that pulls.
-    pub(crate) pull: N,
+    pub pull: N,
     /// Way in half a tick per lead: ω·h/2.
-    pub(crate) ahead: N::Gain,
+    pub ahead: N::Gain,
 }
 
 impl<N: Number> SpeedLimit<N> {
@@ -260,11 +280,13 @@ impl<N: Number> SpeedLimit<N> {
 /// [`Spool`](crate::ports::Spool) for how the jump is placed within the tick. A spool of second order slides until its speed would turn round, at
 /// the end of a tick, or is below `STILL`. Armstrong-Hélouvry, Dupont & Canudas de Wit, *Automatica* 30, 1994.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Stiction<N: Number> {
-    pub(crate) band: N,
-    pub(crate) kept: N,
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Stiction<N: Number> {
+    pub band: N,
+    pub kept: N,
     /// A lead x′/ω below this counts as rest: a spool that does not overshoot never turns round.
-    pub(crate) still: N,
+    pub still: N,
 }
 
 /// [`Stiction::still`], of full travel.

@@ -27,32 +27,47 @@ pub(crate) mod effects;
 
 use effects::{ValveEffectState, ValveEffects};
 
-use crate::effects::{AnyEffect, Keeps, Vocabulary};
+use crate::effects::{AnyEffect, Keeps, Knows};
 use crate::number::Number;
 use crate::ports::{AcrossEdges, Spool};
 
 /// Coefficients of the valve at one tick, with those of its effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(bound = "N: crate::number::Written, E: serde::Serialize")
+)]
 pub struct Valve<N: Number, E = ValveEffects<N>> {
     /// Spool travel per 10 V. (15)
-    pub(crate) gain: N::Gain,
+    #[doc(hidden)]
+    pub gain: N::Gain,
     /// Spool travel at 0 V. (15)
-    pub(crate) offset: N,
+    #[doc(hidden)]
+    pub offset: N,
     /// Largest change of the set value in a tick.
-    pub(crate) step_limit: N,
+    #[doc(hidden)]
+    pub step_limit: N,
     /// 1 / (2·`step_limit`); 0 where nothing limits.
-    pub(crate) half_per_step: N::Steep,
+    #[doc(hidden)]
+    pub half_per_step: N::Steep,
     /// Whole ticks of delay.
-    pub(crate) delay_ticks: usize,
+    #[doc(hidden)]
+    pub delay_ticks: usize,
     /// Remainder of the delay, in ticks, 0..1.
-    pub(crate) delay_rest: N,
+    #[doc(hidden)]
+    pub delay_rest: N,
     /// e^(−h/T1); of a second-order spool, what is left of its lead.
-    pub(crate) decay_1: N::Gain,
+    #[doc(hidden)]
+    pub decay_1: N::Gain,
     /// e^(−h/T2)
-    pub(crate) decay_2: N::Gain,
+    #[doc(hidden)]
+    pub decay_2: N::Gain,
     /// T1·(e^(−h/T1) − e^(−h/T2)) / (T1 − T2)
-    pub(crate) cross: N::Gain,
-    pub(crate) effects: E,
+    #[doc(hidden)]
+    pub cross: N::Gain,
+    #[doc(hidden)]
+    pub effects: E,
 }
 
 /// State of the valve, with the delay line of `DELAY` ticks (a power of two).
@@ -93,7 +108,14 @@ impl<N: Number> Valve<N> {
     /// Hysteresis has settled in the middle of its width, the neutral has not yet drifted, and the spool is not stuck.
     #[must_use]
     pub fn at_rest<const DELAY: usize>(&self, command: N) -> ValveState<N, DELAY> {
-        ValveState::at_rest(self.effects.fed(self.target(command)))
+        self.at_rest_with::<AnyEffect, DELAY>(command)
+    }
+
+    pub(crate) fn at_rest_with<V: Knows<ValveEffects<N>>, const DELAY: usize>(
+        &self,
+        command: N,
+    ) -> ValveState<N, DELAY> {
+        ValveState::at_rest(V::its(&self.effects).fed(self.target(command)))
     }
 
     /// One tick with `command` (in 10 V, any size) held and no flow force.
@@ -116,13 +138,13 @@ impl<N: Number> Valve<N> {
 
 impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
     #[inline]
-    pub(crate) fn step_with<V: Vocabulary, const DELAY: usize>(
+    pub(crate) fn step_with<V: Knows<ValveEffects<N>>, const DELAY: usize>(
         &self,
         state: &mut ValveState<N, DELAY>,
         command: N,
         across: AcrossEdges<N>,
     ) -> Spool<N> {
-        let effects = V::on(self.effects.kept());
+        let effects = V::of(self.effects.kept());
         let target = self.target(command);
         let target = effects.map_or(target, |effects| effects.characteristic(target, &mut state.effects));
         let mean = self.limit_rate(&mut state.set, target);
@@ -152,8 +174,8 @@ impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
 
     /// Whether the spool feels a flow force.
     #[inline]
-    pub(crate) fn feels_flow<V: Vocabulary>(&self) -> bool {
-        V::on(self.effects.kept()).is_some_and(|effects| effects.flow_force.is_some())
+    pub(crate) fn feels_flow<V: Knows<ValveEffects<N>>>(&self) -> bool {
+        V::of(self.effects.kept()).is_some_and(|effects| effects.flow_force.is_some())
     }
 }
 
