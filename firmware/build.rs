@@ -7,8 +7,10 @@ use std::{env, fs};
 /// A file that is compiled in: the variable that names it, its name where that is not set and in the code, what it should be.
 type Taken = (&'static str, &'static str, &'static str);
 
-const TAKEN: [Taken; 2] = [
+const TAKEN: [Taken; 4] = [
     ("FIRMWARE_MACHINE", "machine.rs", "what `host-sim export` writes"),
+    ("FIRMWARE_BAKED", "baked.rs", "what `host-sim export --bake` writes"),
+    ("FIRMWARE_BAKED_TRIALS", "baked_trials.rs", "a list of baked drives, as in firmware/baked_trials.rs"),
     ("FIRMWARE_COMMANDS", "commands.rs", "a list of names and commands, as in firmware/commands.rs"),
 ];
 
