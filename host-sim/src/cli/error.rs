@@ -120,7 +120,7 @@ pub enum CliError {
         argument: &'static str,
     },
     /// An argument that is used for source only.
-    #[error("{argument}: only Rust has it; expected --out with .rs, or --format rust")]
+    #[error("{argument}: only Rust and C have it; expected --out with .rs or .h, or --format rust or c99")]
     OnlyInSource {
         /// The argument.
         argument: &'static str,

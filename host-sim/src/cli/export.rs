@@ -20,12 +20,14 @@ use super::target::{check_not_read, check_target, write, write_or_print};
   host-sim export --machine M.toml --out params.rs
   host-sim export --machine M.toml --bake --out params.rs
   host-sim export --machine M.toml --out params.h
+  host-sim export --machine M.toml --bake --out drive.h
   host-sim export --machine M.toml --out drive.fmu
 
 Constants: name, source of oil, tick, length of the delay line, and SI values with the effects; in Rust every value that is not
 the default, in C99 every value that the drive uses. The firmware builds its fixed-point coefficients from them by the code that
 builds them here; a drive that they cannot hold is refused with the value that does not fit. With --bake the coefficients are in the
-Rust source too, as constants: the controller computes none, and its program holds only the effects that the drive has.
+Rust source too, as constants: the controller computes none, and its program holds only the effects that the drive has; in C99 it
+is the header of the static library that `cargo build --release -p drive-c` makes from that Rust source.
 FMU: the model for co-simulation by FMI 3.0, with the library that `cargo build --release -p drive-fmu` has put beside this program.")]
 pub struct Arguments {
     /// Machine file of the drive (TOML, SI units)
@@ -40,7 +42,7 @@ pub struct Arguments {
     /// What to write, whatever the file is called
     #[arg(long, value_enum)]
     format: Option<Format>,
-    /// Rust: with the coefficients as constants
+    /// Rust: with the coefficients as constants; C99: the header of the library of such a drive
     #[arg(long)]
     bake: bool,
     /// Number type of an FMU; fixed is what the controller computes, and the default
@@ -82,7 +84,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
             return Err(CliError::OnlyInFmu { argument });
         }
     }
-    if arguments.bake && format != Format::Rust {
+    if arguments.bake && format == Format::Fmu {
         return Err(CliError::OnlyInSource { argument: "--bake" });
     }
     let to_console = is_standard_output(&arguments.out);
@@ -98,6 +100,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     match format {
         Format::Rust if arguments.bake => write_or_print(&arguments.out, &baked(arguments, &file)?, console)?,
         Format::Rust => write_or_print(&arguments.out, &constants(arguments, &file)?.rust(), console)?,
+        Format::C99 if arguments.bake => write_or_print(&arguments.out, &c_header(arguments, &file)?, console)?,
         Format::C99 => write_or_print(&arguments.out, &constants(arguments, &file)?.c99(), console)?,
         Format::Fmu => write(&arguments.out, packed(arguments, &file)?)?,
     }
@@ -110,6 +113,10 @@ fn constants(arguments: &Arguments, file: &MachineFile) -> Result<Constants, Cli
 
 fn baked(arguments: &Arguments, file: &MachineFile) -> Result<String, CliError> {
     constants(arguments, file)?.baked().map_err(|cause| refused(arguments, cause))
+}
+
+fn c_header(arguments: &Arguments, file: &MachineFile) -> Result<String, CliError> {
+    constants(arguments, file)?.c_header().map_err(|cause| refused(arguments, cause))
 }
 
 fn refused(arguments: &Arguments, cause: MachineError) -> CliError {
