@@ -62,7 +62,7 @@ pub(crate) fn part() -> Result<Part, Box<dyn Error>> {
             continue;
         }
         let printed = match &given {
-            Some(given) => processor.run_under(&given.file, "budget"),
+            Some(given) => processor.run_with(&[("FIRMWARE_COMMANDS", &given.file)], "budget"),
             None => processor.run("budget"),
         };
         let said = |name: &str| row(&printed, name).ok_or_else(|| format!("budget says nothing of {name}"));

@@ -53,10 +53,15 @@ fn whole(value: f64) -> String {
     }
 }
 
+/// Mean instructions of a baked drive under random commands, without and with loads.
+fn of_baked(board: &Board, model: &str) -> String {
+    ["random", "under load"].map(|input| board.step("mean", &format!("baked, {model}, {input}")).to_string()).join(", ")
+}
+
 /// A row's name, and its cell for a board.
 type Row = (&'static str, fn(&Board) -> String);
 
-const ROWS: [Row; 13] = [
+const ROWS: [Row; 19] = [
     ("paper's model, instructions a tick: mean by input, worst", |board| {
         let [least, most] =
             ["steps", "random under load"].map(|input| board.step("mean", &format!("paper's model, {input}")));
@@ -80,6 +85,18 @@ const ROWS: [Row; 13] = [
     }),
     ("RAM: that and the coefficients, any drive", |board| {
         board.bytes("RAM beside the delay lines, bytes: every effect")
+    }),
+    ("baked, paper's model: instructions by input", |board| of_baked(board, "paper's model")),
+    ("baked, three effects of three links", |board| of_baked(board, "three effects")),
+    ("baked, five effects of four links", |board| of_baked(board, "five effects")),
+    ("baked, five effects, two of which make the edges differ", |board| of_baked(board, "five effects with edges")),
+    ("baked: flash of a whole image, paper's model, three effects, every effect", |board| {
+        let flash = |model: &str| board.kilobytes(&format!("flash of a whole image, bytes: baked, {model}"), 1);
+        ["paper's model", "three effects", "every effect"].map(flash).join(", ")
+    }),
+    ("baked: RAM, state and stack beside the delay lines, paper's model, five effects", |board| {
+        let ram = |model: &str| board.bytes(&format!("RAM, bytes: baked, {model}: state and stack"));
+        ["paper's model", "five effects"].map(ram).join(", ")
     }),
     ("stack: paper's model, every effect", |board| {
         format!("{}, {}", board.bytes("stack, bytes: paper's model"), board.bytes("stack, bytes: every effect"))

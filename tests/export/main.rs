@@ -2,6 +2,7 @@
 
 mod archive;
 mod c99;
+mod c_library;
 mod fmpy;
 
 use std::path::{Path, PathBuf};

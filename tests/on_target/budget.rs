@@ -7,9 +7,11 @@
 use std::fmt::Write;
 
 use firmware::app::RING_BYTES;
-use system_tests::emulator::Processor;
+use mps2::trial::{SETS, every_effect, press};
+use system_tests::emulator::{self, Processor};
 use system_tests::snapshot;
 
+use crate::baked::Exports;
 use crate::whole;
 
 /// The limit of a figure.
@@ -21,7 +23,7 @@ struct Budget {
     met: bool,
 }
 
-const BUDGETS: [Budget; 14] = [
+const BUDGETS: [Budget; 20] = [
     Budget { row: "instructions a step, mean: paper's model, random", limit: 500, met: false },
     Budget { row: "instructions a step, mean: every effect, random under load", limit: 1500, met: false },
     Budget { row: "flash of the step, bytes: paper's model", limit: 8 * 1024, met: true },
@@ -30,6 +32,12 @@ const BUDGETS: [Budget; 14] = [
     Budget { row: "RAM beside the delay lines, bytes: paper's model", limit: 512, met: true },
     Budget { row: "RAM beside the delay lines, bytes: every effect", limit: 512, met: false },
     Budget { row: "RAM, bytes: state beside its delay lines", limit: 512, met: true },
+    Budget { row: "instructions a step, mean: baked, paper's model, random", limit: 740, met: false },
+    Budget { row: "instructions a step, mean: baked, three effects, random", limit: 1500, met: true },
+    Budget { row: "instructions a step, mean: baked, five effects, random", limit: 1500, met: true },
+    Budget { row: "instructions a step, mean: baked, five effects with edges, random", limit: 1500, met: false },
+    Budget { row: "flash of a whole image, bytes: baked, paper's model", limit: 8 * 1024, met: true },
+    Budget { row: "RAM, bytes: baked, paper's model: state and stack", limit: 512, met: true },
     Budget { row: "instructions a period, worst: following", limit: 6250, met: true },
     Budget { row: "instructions a period, worst: begins to follow", limit: 6250, met: true },
     Budget { row: "instructions a period, worst: faults and the way back", limit: 6250, met: true },
@@ -55,7 +63,8 @@ fn figures(processor: Processor) -> Vec<(String, u64)> {
     let mut figures =
         vec![(of("paper's model"), processor.flash("paper_step")), (of("every effect"), processor.flash("step"))];
     let (mut state, mut coefficients) = (0, Vec::new());
-    for line in (processor.run("budget") + &processor.run("budget_whole")).lines() {
+    let baked = baked(processor, &mut figures);
+    for line in (processor.run("budget") + &processor.run("budget_whole") + &baked).lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
         let number = |word: &str| word.parse::<u64>().unwrap_or_else(|error| panic!("{line}: {error}"));
         match words.as_slice() {
@@ -94,6 +103,21 @@ fn figures(processor: Processor) -> Vec<(String, u64)> {
     figures.push(("stack, bytes: whole firmware, from its start to its end".to_owned(), stack));
     figures.push(("RAM of the whole firmware and its stack, bytes".to_owned(), statics + stack));
     figures
+}
+
+/// What steps of baked drives cost; the flash of images that hold one of them and nothing else is added to the figures.
+fn baked(processor: Processor, figures: &mut Vec<(String, u64)>) -> String {
+    let (plain, mut exports) = (press(), Exports::new());
+    let several = SETS.iter().map(|set| (set.name, set.on(&plain)));
+    let drives = [("paper's model", plain)].into_iter().chain(several).chain([("every effect", every_effect(&plain))]);
+    for (name, machine) in drives {
+        let file = exports.add(name, &machine, &[]);
+        let image = processor.image_with(&[("FIRMWARE_BAKED", &file)], "baked_step");
+        let flash = emulator::size(&image, &[".vector_table", ".text", ".rodata"]);
+        assert_eq!(emulator::size(&image, &[".data", ".bss"]), 0, "all of the state is on the stack");
+        figures.push((format!("flash of a whole image, bytes: baked, {name}"), flash));
+    }
+    processor.run_with(&[("FIRMWARE_BAKED_TRIALS", &exports.list())], "baked_budget")
 }
 
 /// Whether a line agrees with the snapshot.

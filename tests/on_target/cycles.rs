@@ -45,7 +45,7 @@ const COLUMN: usize = 36;
 /// Cost of each row of an image, under the peers' random steps.
 fn rows(processor: Processor, image: &Image, commands: &Path) -> Vec<(String, Costs)> {
     let counted = Counted { functions: image.functions, caller: image.caller, at_most: usize::MAX };
-    let file = processor.built_under(commands, image.binary);
+    let file = processor.built_with(&[("FIRMWARE_COMMANDS", commands)], image.binary);
     let traced = trace(processor, &file, counted).unwrap_or_else(|error| panic!("{}: {error}", image.binary));
     let mut ticks = traced.ticks.as_slice();
     let mut rows = Vec::new();

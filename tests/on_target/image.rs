@@ -4,8 +4,8 @@ use object::{Object, ObjectSymbol, SymbolKind};
 
 use system_tests::emulator::Processor;
 
-/// Images that contain only a step: of any drive, and of the paper's model by itself.
-const STEPS: [&str; 2] = ["step", "paper_step"];
+/// Images that contain only a step: of any drive, of the paper's model by itself, and of a baked drive.
+const STEPS: [&str; 3] = ["step", "paper_step", "baked_step"];
 
 /// Functions of an image, by their mangled names.
 fn functions(processor: Processor, binary: &str) -> Vec<String> {
@@ -31,6 +31,7 @@ fn no_panic_can_be_reached_from_the_step() {
                 let functions = functions(processor, binary);
                 assert!(functions.iter().any(|name| name == "main"), "{processor:?}: there is nothing in {binary}");
                 assert_eq!(panics(&functions), Vec::<&String>::new(), "{processor:?}: {binary}");
+                assert_eq!(floats(&functions), Vec::<&String>::new(), "{processor:?}: {binary}");
             }
         }
     }

@@ -2,6 +2,8 @@
 //!
 //! Agreement of host and target does not show that they are right: the tests of `accuracy` compare them with the oracle.
 
+mod baked;
+mod baked_images;
 #[cfg(unix)]
 mod budget;
 mod cycles;

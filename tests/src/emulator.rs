@@ -69,22 +69,9 @@ impl Processor {
     }
 
     fn cargo(self, verb: &str, binary: &str, features: &str) -> Command {
-        let mut cargo = Command::new(env!("CARGO"));
-        // A folder of its own: the cargo that runs this test locks the usual one.
+        let mut cargo = cargo(verb, binary);
+        cargo.args(["--features", features, "--target", self.target()]);
         cargo
-            .args([verb, "--quiet", "--release", "--locked", "--package", "mps2", "--bin", binary])
-            .args(["--features", features])
-            .args(["--target", self.target(), "--target-dir"])
-            .arg(Self::folder())
-            .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-            .stdin(Stdio::null());
-        cargo
-    }
-
-    /// Where images are built: beside what cargo has built of the test itself, `target/<profile>/deps/<test>`.
-    fn folder() -> PathBuf {
-        let test = std::env::current_exe().expect("a test runs from a file");
-        test.ancestors().nth(3).unwrap_or(&test).join("tmp/on_target")
     }
 
     /// What a binary prints.
@@ -93,16 +80,16 @@ impl Processor {
     /// It cannot be built, or it fails.
     #[must_use]
     pub fn run(self, binary: &str) -> String {
-        String::from_utf8_lossy(&self.output(binary, "", None)).into_owned()
+        self.run_with(&[], binary)
     }
 
-    /// What a binary prints, with the commands of this file built in, see `firmware/boards/mps2/commands.rs`.
+    /// What a binary prints that takes in these files, each in place of its own (`firmware/boards/mps2/build.rs`, `firmware/build.rs`).
     ///
     /// # Panics
     /// It cannot be built, or it fails.
     #[must_use]
-    pub fn run_under(self, commands: &Path, binary: &str) -> String {
-        String::from_utf8_lossy(&self.output(binary, "", Some(commands))).into_owned()
+    pub fn run_with(self, taken: &[Taken<'_>], binary: &str) -> String {
+        printed(self.cargo("run", binary, "").envs(taken.iter().copied()))
     }
 
     /// The image of a binary that logs by defmt, and the bytes of its log.
@@ -111,19 +98,8 @@ impl Processor {
     /// It cannot be built, or it fails.
     #[must_use]
     pub fn log(self, binary: &str) -> (Vec<u8>, Vec<u8>) {
-        let log = self.output(binary, "defmt", None);
+        let log = output(&mut self.cargo("run", binary, "defmt"));
         (read(&self.file(binary)), log)
-    }
-
-    fn output(self, binary: &str, features: &str, commands: Option<&Path>) -> Vec<u8> {
-        let mut cargo = self.cargo("run", binary, features);
-        if let Some(commands) = commands {
-            cargo.env("FIRMWARE_COMMANDS", commands);
-        }
-        let output = cargo.output().expect("cargo runs this test, so it is there");
-        let (text, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-        assert!(output.status.success(), "{binary} on {self:?}: {}\n{text}\n{errors}", output.status);
-        output.stdout
     }
 
     /// The image of a binary.
@@ -132,7 +108,28 @@ impl Processor {
     /// It cannot be built.
     #[must_use]
     pub fn image(self, binary: &str) -> Vec<u8> {
-        read(&self.built(binary, None))
+        self.image_with(&[], binary)
+    }
+
+    /// The image of a binary that takes in these files, each in place of its own.
+    ///
+    /// # Panics
+    /// It cannot be built.
+    #[must_use]
+    pub fn image_with(self, taken: &[Taken<'_>], binary: &str) -> Vec<u8> {
+        read(&self.built_with(taken, binary))
+    }
+
+    /// The same with the names of its functions, the inlined ones too, at a level of optimisation of its own crate.
+    ///
+    /// # Panics
+    /// It cannot be built.
+    #[must_use]
+    pub fn described(self, taken: &[Taken<'_>], binary: &str, level: &str) -> Vec<u8> {
+        let mut cargo = self.cargo("build", binary, "");
+        cargo.args(["--config", "profile.release.debug=1", "--config", "profile.release.strip=false", "--config"]);
+        output(cargo.arg(format!("profile.release.package.mps2.opt-level={level}")).envs(taken.iter().copied()));
+        read(&self.file(binary))
     }
 
     /// Code and constants of a binary, bytes; they include the processor's start-up code, some 200.
@@ -141,7 +138,7 @@ impl Processor {
     /// It cannot be built.
     #[must_use]
     pub fn flash(self, binary: &str) -> u64 {
-        self.size(binary, &[".text", ".rodata"])
+        size(&self.image(binary), &[".text", ".rodata"])
     }
 
     /// RAM that a binary occupies from start to end, bytes.
@@ -150,13 +147,7 @@ impl Processor {
     /// It cannot be built.
     #[must_use]
     pub fn statics(self, binary: &str) -> u64 {
-        self.size(binary, &[".data", ".bss"])
-    }
-
-    fn size(self, binary: &str, sections: &[&str]) -> u64 {
-        let image = self.image(binary);
-        let image = object::File::parse(&*image).expect("cargo links ELF for this target");
-        sections.iter().filter_map(|name| image.section_by_name(name)).map(|section| section.size()).sum()
+        size(&self.image(binary), &[".data", ".bss"])
     }
 
     /// The file of a binary that holds the values of a drive from `host-sim export` instead of its own.
@@ -165,30 +156,73 @@ impl Processor {
     /// It cannot be built.
     #[must_use]
     pub fn built(self, binary: &str, values: Option<&Path>) -> PathBuf {
-        let mut cargo = self.cargo("build", binary, "");
-        if let Some(values) = values {
-            cargo.env("FIRMWARE_MACHINE", values);
-        }
-        let output = cargo.output().expect("cargo runs this test, so it is there");
-        assert!(output.status.success(), "{binary} for {self:?}: {}", String::from_utf8_lossy(&output.stderr));
-        self.file(binary)
+        let taken: Vec<Taken<'_>> = values.into_iter().map(|values| ("FIRMWARE_MACHINE", values)).collect();
+        self.built_with(&taken, binary)
     }
 
-    /// The file of a binary with the commands of this file built in, see `firmware/commands.rs`.
+    /// The file of a binary that takes in these files, each in place of its own.
     ///
     /// # Panics
     /// It cannot be built.
     #[must_use]
-    pub fn built_under(self, commands: &Path, binary: &str) -> PathBuf {
-        let output = self.cargo("build", binary, "").env("FIRMWARE_COMMANDS", commands).output();
-        let output = output.expect("cargo runs this test, so it is there");
-        assert!(output.status.success(), "{binary} for {self:?}: {}", String::from_utf8_lossy(&output.stderr));
+    pub fn built_with(self, taken: &[Taken<'_>], binary: &str) -> PathBuf {
+        output(self.cargo("build", binary, "").envs(taken.iter().copied()));
         self.file(binary)
     }
 
     fn file(self, binary: &str) -> PathBuf {
-        Self::folder().join(self.target()).join("release").join(binary)
+        folder().join(self.target()).join("release").join(binary)
     }
+}
+
+/// A file that a binary takes in: the variable that names it, and where it is.
+pub type Taken<'a> = (&'a str, &'a Path);
+
+/// What a binary of the firmware prints on the host, with these files in place of its own.
+///
+/// # Panics
+/// It cannot be built, or it fails.
+#[must_use]
+pub fn run_on_host(taken: &[Taken<'_>], binary: &str) -> String {
+    printed(cargo("run", binary).envs(taken.iter().copied()))
+}
+
+/// Bytes of these sections of an image.
+///
+/// # Panics
+/// It is no ELF file.
+#[must_use]
+pub fn size(image: &[u8], sections: &[&str]) -> u64 {
+    let image = object::File::parse(image).expect("cargo links ELF for this target");
+    sections.iter().filter_map(|name| image.section_by_name(name)).map(|section| section.size()).sum()
+}
+
+fn cargo(verb: &str, binary: &str) -> Command {
+    let mut cargo = Command::new(env!("CARGO"));
+    // A folder of its own: the cargo that runs this test locks the usual one.
+    cargo
+        .args([verb, "--quiet", "--release", "--locked", "--package", "mps2", "--bin", binary, "--target-dir"])
+        .arg(folder())
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+        .stdin(Stdio::null());
+    cargo
+}
+
+/// Where images are built: beside what cargo has built of the test itself, `target/<profile>/deps/<test>`.
+fn folder() -> PathBuf {
+    let test = std::env::current_exe().expect("a test runs from a file");
+    test.ancestors().nth(3).unwrap_or(&test).join("tmp/on_target")
+}
+
+fn output(cargo: &mut Command) -> Vec<u8> {
+    let output = cargo.output().expect("cargo runs this test, so it is there");
+    let (text, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{cargo:?}: {}\n{text}\n{errors}", output.status);
+    output.stdout
+}
+
+fn printed(cargo: &mut Command) -> String {
+    String::from_utf8_lossy(&output(cargo)).into_owned()
 }
 
 fn read(file: &Path) -> Vec<u8> {

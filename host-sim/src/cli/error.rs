@@ -119,6 +119,12 @@ pub enum CliError {
         /// The argument.
         argument: &'static str,
     },
+    /// An argument that is used for source only.
+    #[error("{argument}: only Rust and C have it; expected --out with .rs or .h, or --format rust or c99")]
+    OnlyInSource {
+        /// The argument.
+        argument: &'static str,
+    },
     /// A file that cannot be read.
     #[error("{}: cannot be read: {cause}; expected a readable file", path.display())]
     Unread {
@@ -396,7 +402,9 @@ impl CliError {
             CliError::ExportFormat { path } => text("--out", path.to_str()?),
             CliError::Ending { option, path, .. } => text(option, path.to_str()?),
             CliError::Dash { option } | CliError::NoText { option } => text(option, "-"),
-            CliError::OnlyInFmu { argument } => Some((Some(argument), Part::Option)),
+            CliError::OnlyInFmu { argument } | CliError::OnlyInSource { argument } => {
+                Some((Some(argument), Part::Option))
+            }
             CliError::Sensor(SensorError::Unknown { name, .. }) => text("--sensors", name),
             CliError::Sensor(SensorError::Noise { text: noise, .. }) => text("--sensors", noise),
             CliError::Effect { argument, .. } => text("--effect", argument),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use machine_file::MachineFile;
-use model_core::machine::Tick;
+use model_core::machine::{MachineError, Tick};
 use model_export::fmu::{self, Contents, Library, Settings};
 use model_export::rust::Constants;
 
@@ -18,12 +18,16 @@ use super::target::{check_not_read, check_target, write, write_or_print};
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   host-sim export --machine M.toml --out params.rs
+  host-sim export --machine M.toml --bake --out params.rs
   host-sim export --machine M.toml --out params.h
+  host-sim export --machine M.toml --bake --out drive.h
   host-sim export --machine M.toml --out drive.fmu
 
 Constants: name, source of oil, tick, length of the delay line, and SI values with the effects; in Rust every value that is not
 the default, in C99 every value that the drive uses. The firmware builds its fixed-point coefficients from them by the code that
-builds them here; a drive that they cannot hold is refused with the value that does not fit.
+builds them here; a drive that they cannot hold is refused with the value that does not fit. With --bake the coefficients are in the
+Rust source too, as constants: the controller computes none, and its program holds only the effects that the drive has; in C99 it
+is the header of the static library that `cargo build --release -p drive-c` makes from that Rust source.
 FMU: the model for co-simulation by FMI 3.0, with the library that `cargo build --release -p drive-fmu` has put beside this program.")]
 pub struct Arguments {
     /// Machine file of the drive (TOML, SI units)
@@ -38,6 +42,9 @@ pub struct Arguments {
     /// What to write, whatever the file is called
     #[arg(long, value_enum)]
     format: Option<Format>,
+    /// Rust: with the coefficients as constants; C99: the header of the library of such a drive
+    #[arg(long)]
+    bake: bool,
     /// Number type of an FMU; fixed is what the controller computes, and the default
     #[arg(long, value_enum)]
     arithmetic: Option<ArithmeticArgument>,
@@ -77,6 +84,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
             return Err(CliError::OnlyInFmu { argument });
         }
     }
+    if arguments.bake && format == Format::Fmu {
+        return Err(CliError::OnlyInSource { argument: "--bake" });
+    }
     let to_console = is_standard_output(&arguments.out);
     if to_console && format == Format::Fmu {
         return Err(CliError::NoText { option: "--out" });
@@ -88,7 +98,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     }
     let file = machine_file::read(&arguments.machine)?;
     match format {
+        Format::Rust if arguments.bake => write_or_print(&arguments.out, &baked(arguments, &file)?, console)?,
         Format::Rust => write_or_print(&arguments.out, &constants(arguments, &file)?.rust(), console)?,
+        Format::C99 if arguments.bake => write_or_print(&arguments.out, &c_header(arguments, &file)?, console)?,
         Format::C99 => write_or_print(&arguments.out, &constants(arguments, &file)?.c99(), console)?,
         Format::Fmu => write(&arguments.out, packed(arguments, &file)?)?,
     }
@@ -96,8 +108,19 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 }
 
 fn constants(arguments: &Arguments, file: &MachineFile) -> Result<Constants, CliError> {
-    Constants::of(&file.name, &file.machine, Tick::from(arguments.tick))
-        .map_err(|cause| CliError::Export { machine: arguments.machine.clone(), cause })
+    Constants::of(&file.name, &file.machine, Tick::from(arguments.tick)).map_err(|cause| refused(arguments, cause))
+}
+
+fn baked(arguments: &Arguments, file: &MachineFile) -> Result<String, CliError> {
+    constants(arguments, file)?.baked().map_err(|cause| refused(arguments, cause))
+}
+
+fn c_header(arguments: &Arguments, file: &MachineFile) -> Result<String, CliError> {
+    constants(arguments, file)?.c_header().map_err(|cause| refused(arguments, cause))
+}
+
+fn refused(arguments: &Arguments, cause: MachineError) -> CliError {
+    CliError::Export { machine: arguments.machine.clone(), cause }
 }
 
 fn packed(arguments: &Arguments, file: &MachineFile) -> Result<Vec<u8>, CliError> {

@@ -36,6 +36,35 @@ fn the_firmwares_own_values_are_the_export_of_the_preset() {
 fn a_drive_that_the_controller_cannot_hold_is_refused_by_name() {
     let machine = MACHINE.replace("[valve]", "[valve]\ntransport_delay_s = 0.8");
     let folder = folder_with(&machine, "time [s],command [V]\n0,0\n1,0\n");
-    let message = refused(folder.path(), &["export", "--machine", "machine.toml", "--out", "params.rs"]);
-    assert!(message.contains("machine.toml: valve.transport_delay_s = 0.8 s: needs 802 ticks"), "{message}");
+    for more in [&[][..], &["--bake"]] {
+        let arguments = [&["export", "--machine", "machine.toml", "--out", "params.rs"], more].concat();
+        let message = refused(folder.path(), &arguments);
+        assert!(message.contains("machine.toml: valve.transport_delay_s = 0.8 s: needs 802 ticks"), "{message}");
+        assert!(!folder.path().join("params.rs").exists());
+    }
+}
+
+#[test]
+fn a_baked_drive_has_its_coefficients_as_words_and_its_values_beside_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = example("machine.toml");
+    done(folder.path(), &["export", "--machine", &machine, "--out", "plain.rs"]);
+    done(folder.path(), &["export", "--machine", &machine, "--bake", "--out", "params.rs"]);
+    let [plain, baked] =
+        ["plain.rs", "params.rs"].map(|file| std::fs::read_to_string(folder.path().join(file)).unwrap());
+    let coefficients = baked.strip_prefix(&plain).expect("the values come first, as without --bake");
+    assert!(coefficients.contains("impl model_core::drive::Baked for Exported {"), "{coefficients}");
+    // 0.0559/V times 10 V, in steps of 2⁻²⁸.
+    assert!(coefficients.contains("gain: FixedI32::from_bits(150055420),"), "{coefficients}");
+    let printed = done(folder.path(), &["export", "--machine", &machine, "--bake", "--format", "rust", "--out", "-"]);
+    assert_eq!(printed, baked);
+}
+
+#[test]
+fn an_fmu_is_not_baked() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = example("machine.toml");
+    let message = refused(folder.path(), &["export", "--machine", &machine, "--bake", "--out", "drive.fmu"]);
+    assert!(message.contains("--bake: only Rust and C have it; expected --out with .rs or .h"), "{message}");
+    assert!(!folder.path().join("drive.fmu").exists());
 }

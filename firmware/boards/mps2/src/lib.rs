@@ -3,6 +3,7 @@
 //! ```text
 //! trial        drives under inputs that host and target both run    → parity, budget
 //! in_the_loop  the firmware's parts, at the other end of a line     → loop
+//! cost         instructions and stack of a step              → budget, baked_budget
 //! board, uart  the boards themselves, on the target only            → every binary
 //! ```
 //!
@@ -15,6 +16,8 @@ extern crate std;
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 mod board;
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+pub mod cost;
 pub mod in_the_loop;
 pub mod trial;
 #[cfg(all(target_arch = "arm", target_os = "none"))]

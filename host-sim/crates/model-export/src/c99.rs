@@ -78,7 +78,7 @@ fn identifier(key: &str) -> String {
 
 /// A string literal. Bytes other than plain ASCII become octal escapes, which end after three digits; a question mark is
 /// escaped, because two of them would begin a trigraph.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     let mut literal = String::from("\"");
     for byte in text.bytes() {
         match byte {
@@ -93,7 +93,7 @@ fn quoted(text: &str) -> String {
 }
 
 /// A floating constant of C99 with its decimal number in a comment; a negative number stands in brackets.
-fn constant(value: f64) -> String {
+pub(crate) fn constant(value: f64) -> String {
     let bare = hexadecimal(value.abs());
     let signed = if value.is_sign_negative() { format!("(-{bare})") } else { bare };
     format!("{signed} /* {value:?} */")

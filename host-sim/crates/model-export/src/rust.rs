@@ -5,10 +5,12 @@
 
 use std::fmt::{self, Write};
 
-use model_core::drive::Drive;
+use model_core::drive::{Drive, DriveState};
 use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use model_core::number::PerUnit;
 use simulation::DELAY_LINE;
+
+use crate::literal::Literal;
 
 /// What a controller needs to know about a drive.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +57,31 @@ impl Constants {
         text
     }
 
+    /// Rust source with the coefficients: what [`Constants::rust`] gives, and a type that has them as constants.
+    ///
+    /// # Errors
+    /// The controller's arithmetic cannot represent the drive; [`Constants::of`] refuses it too.
+    pub fn baked(&self) -> Result<String, MachineError> {
+        let baked = self.coefficients()?;
+        let mut text = self.rust();
+        // Writing to a string cannot fail.
+        let _ = baked.write(&mut text);
+        Ok(text)
+    }
+
+    /// The coefficients.
+    pub(crate) fn coefficients(&self) -> Result<Coefficients, MachineError> {
+        let drive = Drive::<PerUnit>::new::<DELAY_LINE>(&self.machine, self.tick)?;
+        let literal = Literal::of(&drive).expect("coefficients are numbers, choices and groups of them");
+        let mut crc = flate2::Crc::new();
+        crc.update(literal.expression.as_bytes());
+        crc.update(&(self.delay_line as u64).to_le_bytes());
+        let shortest = SHORTER[0].0;
+        let lines = 2 * size_of::<PerUnit>() * (self.delay_line - shortest);
+        let state_bytes = size_of::<DriveState<PerUnit, { SHORTER[0].0 }>>() + lines;
+        Ok(Coefficients { drive, literal, fingerprint: crc.sum(), state_bytes })
+    }
+
     fn write_rust(&self, out: &mut impl Write) -> fmt::Result {
         let source = match self.machine.source {
             Source::Valve => "Valve",
@@ -91,6 +118,40 @@ impl Constants {
             }
         }
         writeln!(out, "];")
+    }
+}
+
+/// A drive's coefficients, and what tells them from those of another.
+pub(crate) struct Coefficients {
+    pub(crate) drive: Drive<PerUnit>,
+    literal: Literal,
+    pub(crate) fingerprint: u32,
+    /// Of a state with its delay lines.
+    pub(crate) state_bytes: usize,
+}
+
+impl Coefficients {
+    /// The type that has them as constants.
+    fn write(&self, out: &mut impl Write) -> fmt::Result {
+        let Literal { expression, types, .. } = &self.literal;
+        let types = types.iter().copied().collect::<Vec<_>>().join(", ");
+        let expression = expression.replace('\n', "\n        ");
+        writeln!(out, "\n/// CRC-32 of the coefficients, which the header of the C library has too.")?;
+        let (upper, lower) = (self.fingerprint >> 16, self.fingerprint & 0xffff);
+        writeln!(out, "pub const FINGERPRINT: u32 = 0x{upper:04x}_{lower:04x};")?;
+        writeln!(
+            out,
+            "/// Bytes of a state with its delay lines.\npub const STATE_BYTES: usize = {};",
+            self.state_bytes
+        )?;
+        writeln!(out, "\n/// The drive with its coefficients as constants: see `model_core::drive::Baked`.")?;
+        writeln!(out, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub struct Exported;\n")?;
+        writeln!(out, "#[rustfmt::skip]")?;
+        writeln!(out, "#[allow(clippy::unreadable_literal, reason = \"words of fixed point\")]")?;
+        writeln!(out, "impl model_core::drive::Baked for Exported {{")?;
+        writeln!(out, "    type Number = model_core::number::PerUnit;")?;
+        writeln!(out, "    const DRIVE: &'static model_core::drive::Drive<Self::Number> = {{")?;
+        writeln!(out, "        use model_core::literal::{{{types}}};\n        &{expression}\n    }};\n}}")
     }
 }
 

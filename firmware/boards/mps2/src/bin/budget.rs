@@ -5,25 +5,20 @@
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 mod on_target {
     use core::fmt::{self, Write};
-    use core::hint::black_box;
 
-    use cortex_m_stack as stack;
-    use model_core::drive::{Drive, DriveInput, DriveState, Load, PaperDrive};
+    use model_core::drive::{Drive, DriveInput, Load, PaperDrive};
     use model_core::machine::{Machine, MachineError, Tick};
     use model_core::number::{Number, PerUnit};
     use model_core::ports::ChamberState;
+    use mps2::Counter;
+    use mps2::cost::{State, deepest, instructions};
     use mps2::trial::{DELAY, Input, Moment, every_effect, forms, press, steps_of};
-    use mps2::{Counter, INSTRUCTIONS_PER_COUNT};
     use panic_semihosting as _;
 
     /// Ticks of a random input.
     const RANDOM_TICKS: usize = 4000;
     /// Commands that are given to the build, in V.
     const GIVEN: &[(&str, &[f32])] = &include!(concat!(env!("OUT_DIR"), "/commands.rs"));
-    /// Ticks counted at once for the mean.
-    const BATCH: u32 = 100;
-
-    type State = DriveState<PerUnit, DELAY>;
 
     pub(crate) enum BudgetError {
         Machine(MachineError),
@@ -44,9 +39,6 @@ mod on_target {
         }
     }
 
-    /// A model's step under an input.
-    type Step<D> = fn(&D, &mut State, &Moment);
-
     #[inline(never)]
     fn paper_step(drive: &PaperDrive<PerUnit>, state: &mut State, moment: &Moment) {
         if let DriveInput::Command(command) = moment.drive_input {
@@ -59,59 +51,11 @@ mod on_target {
         drive.step(state, moment.drive_input, moment.load);
     }
 
-    /// What the loop around a step itself costs.
-    #[inline(never)]
-    fn nothing<D>(drive: &D, state: &mut State, moment: &Moment) {
-        black_box((drive, state, moment));
-    }
-
-    fn count<D>(counter: &mut Counter, work: Step<D>, model: (&D, &mut State), moments: &[Moment]) -> u32 {
-        let (drive, state) = model;
-        let work = black_box(work);
-        counter.counts(|| moments.iter().for_each(|moment| work(drive, state, moment)))
-    }
-
     fn at_rest(machine: &Machine<f64>) -> Result<(Drive<PerUnit>, State), MachineError> {
         let drive = Drive::<PerUnit>::new::<DELAY>(machine, Tick::OneMillisecond)?;
         let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
         let state = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
         Ok((drive, state))
-    }
-
-    /// Mean and worst instructions of a step, the worst to within 40.
-    fn instructions<D>(
-        counter: &mut Counter,
-        step: Step<D>,
-        (drive, mut state): (&D, State),
-        moments: impl Iterator<Item = Moment>,
-    ) -> (u32, u32) {
-        let mut beside = state;
-        let (mut sum, mut ticks, mut worst) = (0, 0, 0);
-        let rest = Moment { drive_input: DriveInput::Command(PerUnit::ZERO), load: Load::NONE, oil_temperature: None };
-        let mut batch = [rest; BATCH as usize];
-        let mut filled = 0;
-        for moment in moments {
-            batch[filled] = moment;
-            filled += 1;
-            if filled == batch.len() {
-                filled = 0;
-                let mut again = state;
-                sum += count(counter, step, (drive, &mut state), &batch);
-                sum -= count(counter, nothing, (drive, &mut beside), &batch);
-                ticks += BATCH;
-                for moment in &batch {
-                    let one = core::slice::from_ref(moment);
-                    let counts = count(counter, step, (drive, &mut again), one);
-                    worst = worst.max(counts - count(counter, nothing, (drive, &mut beside), one));
-                }
-            }
-        }
-        (sum * INSTRUCTIONS_PER_COUNT / ticks, worst * INSTRUCTIONS_PER_COUNT)
-    }
-
-    /// Stack of the deepest of many steps under the same input, bytes.
-    fn deepest<D>(step: Step<D>, (drive, mut state): (&D, State), moment: &Moment) -> usize {
-        (0..BATCH).map(|_| stack::used_by(|| step(drive, &mut state, moment)).1).max().unwrap_or(0)
     }
 
     fn in_volts(volts: f32) -> Moment {

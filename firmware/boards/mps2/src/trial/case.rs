@@ -3,16 +3,17 @@
 use core::fmt::{self, Write};
 use core::hash::{Hash, Hasher};
 
-use model_core::drive::{Drive, DriveState};
+use model_core::drive::{Baked, BakedDrive, Drive, DriveInput, DriveState, Interfaces, Load};
 use model_core::machine::{Form, Machine, MachineError, Tick};
 use model_core::number::{Number, PerUnit};
 use model_core::ports::ChamberState;
+use model_core::sensing::Sensed;
 
 use super::DELAY;
-use super::effects::{every_effect, forms};
+use super::effects::{ON_A_MASS, SETS, Set, every_effect, forms};
 use super::fingerprint::Fingerprint;
 use super::input::Input;
-use super::machines::{press, pump};
+use super::machines::{mass, press, pump};
 
 /// Ticks of a random input.
 const RANDOM_TICKS: usize = 3000;
@@ -24,6 +25,7 @@ const SAMPLED: usize = 1000;
 enum On {
     Nothing,
     One(&'static Form),
+    Several(&'static Set),
     Everything,
 }
 
@@ -74,22 +76,81 @@ impl From<fmt::Error> for CaseError {
     }
 }
 
-/// All trials: no effect, each alone and all together; under the recorded and the random input, and with any drive input; and the pump.
+/// All trials: no effect, each alone, several and all together; under the recorded and the random input, and with any drive input; the pump, and a
+/// mass that a force moves.
 pub fn cases() -> impl Iterator<Item = Case> {
-    let sets = || [On::Nothing, On::Everything].into_iter().chain(forms().map(On::One));
+    let sets = || {
+        let several = SETS.iter().map(On::Several);
+        [On::Nothing, On::Everything].into_iter().chain(forms().map(On::One)).chain(several)
+    };
     let under = |input: Input| sets().map(move |on| Case { on, input });
     let recorded = [On::Nothing, On::Everything].map(|on| Case { on, input: Input::Recorded });
-    recorded.into_iter().chain(under(Input::Random)).chain(under(Input::Anywhere)).chain(under(Input::Pump))
+    let of_oil =
+        recorded.into_iter().chain(under(Input::Random)).chain(under(Input::Anywhere)).chain(under(Input::Pump));
+    of_oil.chain([On::Nothing, On::Several(&ON_A_MASS)].map(|on| Case { on, input: Input::Force }))
+}
+
+/// What is stepped in a trial: coefficients that were built, or baked ones.
+pub trait Model {
+    /// At rest, as [`Drive::at_rest`].
+    fn at_rest(&self, pressures: ChamberState<PerUnit>, position: <PerUnit as Number>::Travel) -> State;
+
+    /// One tick, as [`Drive::step`].
+    fn step(&self, state: &mut State, drive_input: DriveInput<PerUnit>, load: Load<PerUnit>) -> Interfaces<PerUnit>;
+
+    /// What the sensors read, as [`Drive::sensed`].
+    fn sensed(&self, state: &State) -> Sensed<PerUnit>;
+
+    /// The coefficients.
+    fn coefficients(&self) -> &Drive<PerUnit>;
+}
+
+/// State of a trial.
+type State = DriveState<PerUnit, DELAY>;
+
+impl Model for Drive<PerUnit> {
+    fn at_rest(&self, pressures: ChamberState<PerUnit>, position: <PerUnit as Number>::Travel) -> State {
+        Drive::at_rest(self, PerUnit::ZERO, pressures, position)
+    }
+    fn step(&self, state: &mut State, drive_input: DriveInput<PerUnit>, load: Load<PerUnit>) -> Interfaces<PerUnit> {
+        Drive::step(self, state, drive_input, load)
+    }
+    fn sensed(&self, state: &State) -> Sensed<PerUnit> {
+        Drive::sensed(self, state)
+    }
+    fn coefficients(&self) -> &Drive<PerUnit> {
+        self
+    }
+}
+
+impl<B: Baked<Number = PerUnit>> Model for BakedDrive<B> {
+    fn at_rest(&self, pressures: ChamberState<PerUnit>, position: <PerUnit as Number>::Travel) -> State {
+        BakedDrive::at_rest(self, PerUnit::ZERO, pressures, position)
+    }
+    fn step(&self, state: &mut State, drive_input: DriveInput<PerUnit>, load: Load<PerUnit>) -> Interfaces<PerUnit> {
+        BakedDrive::step(self, state, drive_input, load)
+    }
+    fn sensed(&self, state: &State) -> Sensed<PerUnit> {
+        BakedDrive::sensed(self, state)
+    }
+    fn coefficients(&self) -> &Drive<PerUnit> {
+        B::DRIVE
+    }
 }
 
 impl Case {
     /// The machine.
     #[must_use]
     pub fn machine(&self) -> Machine<f64> {
-        let plain = if self.input == Input::Pump { pump() } else { press() };
+        let plain = match self.input {
+            Input::Pump => pump(),
+            Input::Force => mass(),
+            Input::Recorded | Input::Random | Input::Anywhere => press(),
+        };
         match self.on {
             On::Nothing => plain,
             On::One(form) => plain.with(form.values),
+            On::Several(set) => set.on(&plain),
             On::Everything => every_effect(&plain),
         }
     }
@@ -98,36 +159,15 @@ impl Case {
     ///
     /// # Errors
     /// The machine is not valid, or the samples cannot be taken.
-    pub fn run(&self, mut take: impl FnMut(Sample) -> fmt::Result) -> Result<(), CaseError> {
+    pub fn run(&self, take: impl FnMut(Sample) -> fmt::Result) -> Result<(), CaseError> {
         let drive = Drive::<PerUnit>::new::<DELAY>(&self.machine(), Tick::OneMillisecond)?;
-        let mut fingerprint = Fingerprint::new();
-        // Every coefficient in plain text, real numbers with all their digits.
-        write!(fingerprint, "{drive:?}")?;
-        let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
-        let mut state: DriveState<PerUnit, DELAY> = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
-        let ticks = if self.input == Input::Recorded { usize::MAX } else { RANDOM_TICKS };
-        let mut tick = 0;
-        for moment in self.input.moments().take(ticks) {
-            if let Some(temperature) = moment.oil_temperature {
-                state.oil_temperature = temperature;
-            }
-            drive.step(&mut state, moment.drive_input, moment.load).hash(&mut fingerprint);
-            state.hash(&mut fingerprint);
-            drive.sensed(&state).hash(&mut fingerprint);
-            tick += 1;
-            if tick % SAMPLED == 0 {
-                take(Sample {
-                    tick,
-                    spool: state.valve.spool().to_bits(),
-                    pressure_a: state.chambers.a.to_bits(),
-                    pressure_b: state.chambers.b.to_bits(),
-                    velocity: state.motion.velocity.to_bits(),
-                    position: state.motion.position.to_bits(),
-                    fingerprint: fingerprint.finish(),
-                })?;
-            }
-        }
-        Ok(())
+        Ok(run(&drive, self.input, take)?)
+    }
+
+    /// What drives it.
+    #[must_use]
+    pub fn input(&self) -> Input {
+        self.input
     }
 
     /// Writes its trace: name, then samples.
@@ -140,11 +180,47 @@ impl Case {
     }
 }
 
+/// Runs a model under an input and passes on samples.
+///
+/// # Errors
+/// The samples cannot be taken.
+pub fn run(model: &impl Model, input: Input, mut take: impl FnMut(Sample) -> fmt::Result) -> fmt::Result {
+    let mut fingerprint = Fingerprint::new();
+    // Every coefficient in plain text, real numbers with all their digits.
+    write!(fingerprint, "{:?}", model.coefficients())?;
+    let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
+    let mut state = model.at_rest(pressures, PerUnit::travel(0.5));
+    let ticks = if input == Input::Recorded { usize::MAX } else { RANDOM_TICKS };
+    let mut tick = 0;
+    for moment in input.moments().take(ticks) {
+        if let Some(temperature) = moment.oil_temperature {
+            state.oil_temperature = temperature;
+        }
+        model.step(&mut state, moment.drive_input, moment.load).hash(&mut fingerprint);
+        state.hash(&mut fingerprint);
+        model.sensed(&state).hash(&mut fingerprint);
+        tick += 1;
+        if tick % SAMPLED == 0 {
+            take(Sample {
+                tick,
+                spool: state.valve.spool().to_bits(),
+                pressure_a: state.chambers.a.to_bits(),
+                pressure_b: state.chambers.b.to_bits(),
+                velocity: state.motion.velocity.to_bits(),
+                position: state.motion.position.to_bits(),
+                fingerprint: fingerprint.finish(),
+            })?;
+        }
+    }
+    Ok(())
+}
+
 impl fmt::Display for Case {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         let on = match self.on {
             On::Nothing => "no effect",
             On::One(form) => form.name,
+            On::Several(set) => set.name,
             On::Everything => "every effect",
         };
         write!(formatter, "{}: {on}", self.input.name())

@@ -12,6 +12,58 @@ fn effect_forms() -> impl Iterator<Item = &'static Form> {
     Effect::ALL.iter().flat_map(|effect| effect.trial()).chain(CORRECTION_TABLE)
 }
 
+/// Several effects at once, each in its first form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Set {
+    /// What it is called.
+    pub name: &'static str,
+    /// The effects.
+    pub effects: &'static [Effect],
+}
+
+impl Set {
+    /// The machine with these effects.
+    #[must_use]
+    pub fn on(&self, machine: &Machine<f64>) -> Machine<f64> {
+        let first = self.effects.iter().filter_map(|effect| effect.trial().first());
+        first.fold(*machine, |machine, form| machine.with(form.values))
+    }
+}
+
+/// What a diagnosis of an installed drive may end with: three effects of three links, five of four links, and five of which two make the four edges differ.
+pub const SETS: &[Set] = &[
+    Set {
+        name: "three effects",
+        effects: &[Effect::ValveHysteresis, Effect::InternalLeakage, Effect::CoulombFriction],
+    },
+    Set {
+        name: "five effects",
+        effects: &[
+            Effect::ValveHysteresis,
+            Effect::NullDrift,
+            Effect::InternalLeakage,
+            Effect::CoulombFriction,
+            Effect::LinkageBacklash,
+        ],
+    },
+    Set {
+        name: "five effects with edges",
+        effects: &[
+            Effect::MeteringAsymmetry,
+            Effect::TankBackPressure,
+            Effect::InternalLeakage,
+            Effect::CoulombFriction,
+            Effect::StribeckFriction,
+        ],
+    },
+];
+
+/// The same for a mass that a force moves.
+pub(super) const ON_A_MASS: Set = Set {
+    name: "three effects of a mass",
+    effects: &[Effect::CoulombFriction, Effect::EndStop, Effect::PositionSensorLag],
+};
+
 /// The machine with all effects at once, each in its first form.
 #[must_use]
 pub fn every_effect(machine: &Machine<f64>) -> Machine<f64> {

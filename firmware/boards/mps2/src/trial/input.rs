@@ -38,6 +38,8 @@ pub enum Input {
     Anywhere,
     /// Speeds and directions of a pump, loads.
     Pump,
+    /// Forces on the mass, loads.
+    Force,
 }
 
 /// Inputs of a drive in one tick.
@@ -68,6 +70,7 @@ impl Input {
             Input::Random => "random",
             Input::Anywhere => "anywhere",
             Input::Pump => "pump",
+            Input::Force => "force",
         }
     }
 
@@ -102,7 +105,7 @@ impl Iterator for Moments {
         if self.left == 0 {
             (self.left, self.now) = match self.input {
                 Input::Recorded => self.recorded()?,
-                Input::Random | Input::Anywhere | Input::Pump => self.held(),
+                Input::Random | Input::Anywhere | Input::Pump | Input::Force => self.held(),
             };
         }
         self.left = self.left.checked_sub(1)?;
@@ -129,6 +132,7 @@ impl Moments {
             Input::Recorded | Input::Random => DriveInput::Command(self.within_one()),
             Input::Anywhere => self.anywhere(),
             Input::Pump => DriveInput::Pump(self.pump()),
+            Input::Force => DriveInput::Force { from: self.within_one(), to: self.within_one() },
         };
         let load = Load { from: self.within_one().halved().halved(), to: self.within_one().halved().halved() };
         // −25 to 100 °C; one in four is not measured.

@@ -27,3 +27,9 @@ pub fn pump() -> Machine<f64> {
         (P::ReturnCoefficient, 1e-7),
     ])
 }
+
+/// 20 kg on 200 mm that a force moves.
+#[must_use]
+pub fn mass() -> Machine<f64> {
+    Machine::with_defaults(Source::Force).with(&[(P::Stroke, 0.2), (P::MovingMass, 20.0), (P::ViscousFriction, 5.0e3)])
+}

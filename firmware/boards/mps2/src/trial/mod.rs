@@ -14,11 +14,11 @@ pub mod preset {
     include!("../../../../machine.rs");
 }
 
-pub use case::{Case, CaseError, Sample, cases};
-pub use effects::{every_effect, forms};
+pub use case::{Case, CaseError, Model, Sample, cases, run};
+pub use effects::{SETS, Set, every_effect, forms};
 pub use fingerprint::Fingerprint;
 pub use input::{Input, Moment, RECORDED, steps_of};
-pub use machines::{press, pump};
+pub use machines::{mass, press, pump};
 
 /// Delay line of the trials' states, ticks.
 pub const DELAY: usize = 64;

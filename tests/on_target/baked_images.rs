@@ -1,0 +1,105 @@
+//! Images of baked drives hold the code of the drive's own effects alone.
+
+use std::collections::BTreeSet;
+
+use addr2line::Loader;
+use model_core::machine::Machine;
+use mps2::trial::{SETS, Set, every_effect, mass, press, pump};
+use object::{Object, ObjectSection};
+use system_tests::emulator::Processor;
+
+use crate::baked::Exports;
+
+/// A part of the model's source, by the names of its functions, and what needs it: effects by their names, or `pump`, `valve`.
+const PARTS: &[(&str, &[&str])] = &[
+    ("valve::Valve", &["valve"]),
+    ("flow::pump", &["pump"]),
+    ("NullDrift", &["null-drift"]),
+    ("SolenoidSaturation", &["solenoid-saturation"]),
+    ("Hysteresis", &["valve-hysteresis"]),
+    ("FlowForce", &["flow-force"]),
+    ("Stiction", &["spool-stiction"]),
+    ("GainCurve", &["flow-gain-nonlinearity"]),
+    ("ReturnLine", &["tank-back-pressure"]),
+    ("ValveLeakage", &["valve-leakage"]),
+    (
+        "four_edges",
+        &[
+            "flow-gain-nonlinearity",
+            "metering-asymmetry",
+            "supply-droop",
+            "tank-back-pressure",
+            "valve-leakage",
+            "counterbalance",
+        ],
+    ),
+    ("flow::supply::Droop", &["supply-droop"]),
+    ("flow::load_holding", &["counterbalance"]),
+    ("chambers::capacity", &["entrained-air", "position-dependent-volume"]),
+    ("cavitati", &["cavitation"]),
+    ("mechanics::friction::Stribeck", &["stribeck-friction"]),
+    ("mechanics::friction::PlacedDrag", &["position-dependent-friction"]),
+    ("mechanics::lugre", &["presliding"]),
+    ("mechanics::position_load", &["position-dependent-load"]),
+    ("mechanics::end_stop", &["end-stop"]),
+    ("correction_table", &["unnamed"]),
+    ("oil::Viscosity", &["oil-temperature"]),
+];
+
+/// The functions of which an image has instructions, the inlined ones too.
+fn functions(image: &[u8]) -> BTreeSet<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("image");
+    std::fs::write(&path, image).unwrap();
+    let loader = Loader::new(&path).unwrap();
+    let file = object::File::parse(image).unwrap();
+    let text = file.section_by_name(".text").unwrap();
+    let mut functions = BTreeSet::new();
+    for address in (text.address()..text.address() + text.size()).step_by(2) {
+        let mut frames = loader.find_frames(address).unwrap();
+        while let Some(frame) = frames.next().unwrap() {
+            if let Some(name) = frame.function {
+                functions.insert(name.demangle().unwrap().into_owned());
+            }
+        }
+    }
+    functions
+}
+
+/// Asserts that the image of a baked drive holds those parts that these effects need, and no other.
+fn assert_parts(name: &str, machine: &Machine<f64>, on: &[&str], level: &str) {
+    let mut exports = Exports::new();
+    let file = exports.add(name, machine, &[]);
+    let image = Processor::M4F.described(&[("FIRMWARE_BAKED", &file)], "baked_step", level);
+    let functions = functions(&image);
+    for (part, needed) in PARTS {
+        let found: Vec<&String> = functions.iter().filter(|function| function.contains(part)).collect();
+        if needed.iter().any(|effect| on.contains(effect)) {
+            assert!(!found.is_empty(), "{name}, level {level}: {part} is missing; {functions:#?}");
+        } else {
+            assert!(found.is_empty(), "{name}, level {level}: {part} is of no use: {found:#?}");
+        }
+    }
+}
+
+fn names(set: &Set, source: &'static str) -> Vec<&'static str> {
+    set.effects.iter().map(|effect| effect.name()).chain([source]).collect()
+}
+
+#[test]
+fn an_image_of_a_baked_drive_holds_the_code_of_its_own_effects_alone() {
+    if !Processor::M4F.can_be_built_for() {
+        return;
+    }
+    let every: Vec<&str> =
+        PARTS.iter().flat_map(|(_, needed)| *needed).copied().filter(|name| *name != "pump").collect();
+    for level in ["3", "2", "\"s\""] {
+        assert_parts("paper", &press(), &["valve"], level);
+        assert_parts("pump", &pump(), &["pump"], level);
+        assert_parts("mass", &mass(), &[], level);
+        for set in SETS {
+            assert_parts(set.name, &set.on(&press()), &names(set, "valve"), level);
+        }
+    }
+    assert_parts("every effect", &every_effect(&press()), &every, "3");
+}
