@@ -322,6 +322,9 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         let Some(effects) = V::on(self.effects.kept()) else {
             let side = |implicit: N, side: &Linearised<N>| {
                 let yields = || N::inverse_one_plus([implicit.times(side.opening)], [side.slope]);
+                if !N::SHORTCUTS {
+                    return yields();
+                }
                 N::choose(side.opening.is_nothing(), || N::ONE, yields)
             };
             return Flows { a: side(self.implicit.a, &flows.a), b: side(self.implicit.b, &flows.b) };
@@ -331,6 +334,9 @@ impl<N: Number, E: Keeps<ChamberEffects<N>>> Chambers<N, E> {
         let side = |implicit: N, side: &Linearised<N>, leakage: N| {
             let weights = || [implicit.times(side.opening), implicit.times(leakage)];
             let yields = || N::inverse_one_plus(weights(), [side.slope, self.unity]);
+            if !N::SHORTCUTS {
+                return yields();
+            }
             N::choose(side.opening.is_nothing() & leakage.is_nothing(), || N::ONE, yields)
         };
         Flows { a: side(self.implicit.a, &flows.a, out_a), b: side(self.implicit.b, &flows.b, out_b) }
