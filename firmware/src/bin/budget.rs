@@ -9,9 +9,11 @@ mod on_target {
 
     use firmware::board::mps2::{self, Counter, INSTRUCTIONS_PER_COUNT};
     use firmware::board::stack;
-    use firmware::trial::{DELAY, Input, Moment, every_effect, forms, press, steps_of};
+    use firmware::trial::{DELAY, Input, Moment, Traced, every_effect, forms, press, several_effects, steps_of};
     use model_core::drive::{Drive, DriveInput, DriveState, Load, PaperDrive};
     use model_core::machine::{Machine, MachineError, Tick};
+    #[cfg(target_abi = "eabihf")]
+    use model_core::number::Single;
     use model_core::number::{Number, PerUnit};
     use model_core::ports::ChamberState;
     use panic_semihosting as _;
@@ -23,7 +25,7 @@ mod on_target {
     /// Ticks counted at once for the mean.
     const BATCH: u32 = 100;
 
-    type State = DriveState<PerUnit, DELAY>;
+    type State<N> = DriveState<N, DELAY>;
 
     pub(crate) enum BudgetError {
         Machine(MachineError),
@@ -45,53 +47,57 @@ mod on_target {
     }
 
     /// A model's step under an input.
-    type Step<D> = fn(&D, &mut State, &Moment);
+    type Step<D, N> = fn(&D, &mut State<N>, &Moment<N>);
 
     #[inline(never)]
-    fn paper_step(drive: &PaperDrive<PerUnit>, state: &mut State, moment: &Moment) {
+    fn paper_step<N: Traced>(drive: &PaperDrive<N>, state: &mut State<N>, moment: &Moment<N>) {
         if let DriveInput::Command(command) = moment.drive_input {
             drive.step(state, command, moment.load);
         }
     }
 
     #[inline(never)]
-    fn step(drive: &Drive<PerUnit>, state: &mut State, moment: &Moment) {
+    fn step<N: Traced>(drive: &Drive<N>, state: &mut State<N>, moment: &Moment<N>) {
         drive.step(state, moment.drive_input, moment.load);
     }
 
     /// What the loop around a step itself costs.
     #[inline(never)]
-    fn nothing<D>(drive: &D, state: &mut State, moment: &Moment) {
+    fn nothing<D, N: Traced>(drive: &D, state: &mut State<N>, moment: &Moment<N>) {
         black_box((drive, state, moment));
     }
 
-    fn count<D>(counter: &mut Counter, work: Step<D>, model: (&D, &mut State), moments: &[Moment]) -> u32 {
+    fn count<D, N: Traced>(
+        counter: &mut Counter,
+        work: Step<D, N>,
+        model: (&D, &mut State<N>),
+        moments: &[Moment<N>],
+    ) -> u32 {
         let (drive, state) = model;
         let work = black_box(work);
         counter.counts(|| moments.iter().for_each(|moment| work(drive, state, moment)))
     }
 
-    fn at_rest(machine: &Machine<f64>) -> Result<(Drive<PerUnit>, State), MachineError> {
-        let drive = Drive::<PerUnit>::new::<DELAY>(machine, Tick::OneMillisecond)?;
-        let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
-        let state = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
+    fn at_rest<N: Traced>(machine: &Machine<f64>) -> Result<(Drive<N>, State<N>), MachineError> {
+        let drive = Drive::<N>::new::<DELAY>(machine, Tick::OneMillisecond)?;
+        let pressures = ChamberState { a: N::saturated(0.3), b: N::saturated(0.5) };
+        let state = drive.at_rest(N::ZERO, pressures, N::travel(0.5));
         Ok((drive, state))
     }
 
     /// Mean and worst instructions of a step, the worst to within 40.
-    fn instructions<D>(
+    fn instructions<D, N: Traced>(
         counter: &mut Counter,
-        step: Step<D>,
-        (drive, mut state): (&D, State),
+        step: Step<D, N>,
+        (drive, mut state): (&D, State<N>),
         moments: impl Iterator<Item = Moment>,
     ) -> (u32, u32) {
         let mut beside = state;
         let (mut sum, mut ticks, mut worst) = (0, 0, 0);
-        let rest = Moment { drive_input: DriveInput::Command(PerUnit::ZERO), load: Load::NONE, oil_temperature: None };
-        let mut batch = [rest; BATCH as usize];
+        let mut batch = [Moment::command(N::ZERO); BATCH as usize];
         let mut filled = 0;
         for moment in moments {
-            batch[filled] = moment;
+            batch[filled] = N::moment(moment);
             filled += 1;
             if filled == batch.len() {
                 filled = 0;
@@ -110,7 +116,7 @@ mod on_target {
     }
 
     /// Stack of the deepest of many steps under the same input, bytes.
-    fn deepest<D>(step: Step<D>, (drive, mut state): (&D, State), moment: &Moment) -> usize {
+    fn deepest<D, N: Traced>(step: Step<D, N>, (drive, mut state): (&D, State<N>), moment: &Moment<N>) -> usize {
         (0..BATCH).map(|_| stack::used_by(|| step(drive, &mut state, moment)).1).max().unwrap_or(0)
     }
 
@@ -122,11 +128,14 @@ mod on_target {
         Moment { load: Load::NONE, oil_temperature: None, ..moment }
     }
 
-    pub(crate) fn report(counter: &mut Counter, out: &mut impl Write) -> Result<(), BudgetError> {
+    /// The figures of one number type.
+    fn report_of<N: Traced>(counter: &mut Counter, out: &mut impl Write) -> Result<(), BudgetError> {
+        let prefix = N::PREFIX;
         let random = || Input::Random.moments().take(RANDOM_TICKS);
-        let mut row = |name: &str, (mean, worst): (u32, u32)| writeln!(out, "instructions {mean:>6} {worst:>6} {name}");
+        let mut row =
+            |name: &str, (mean, worst): (u32, u32)| writeln!(out, "instructions {mean:>6} {worst:>6} {prefix}{name}");
         let steps = [2, 4, 6, 8, 10].into_iter().flat_map(steps_of);
-        let (full, rest) = at_rest(&press())?;
+        let (full, rest) = at_rest::<N>(&press())?;
         let paper = full.without_effects().ok_or(BudgetError::HasEffects)?;
         row("paper's model, steps", instructions(counter, paper_step, (&paper, rest), steps))?;
         row("paper's model, random", instructions(counter, paper_step, (&paper, rest), random().map(commands_only)))?;
@@ -136,23 +145,36 @@ mod on_target {
             row(name, instructions(counter, paper_step, (&paper, rest), moments))?;
         }
         row("none of the effects, random under load", instructions(counter, step, (&full, rest), random()))?;
-        let (every, all_rest) = at_rest(&every_effect(&press()))?;
+        let several = [several_effects::<1>, several_effects::<3>, several_effects::<5>];
+        for (name, machine) in several.map(|of| of(&press())) {
+            let (drive, state) = at_rest::<N>(&machine)?;
+            row(name, instructions(counter, step, (&drive, state), random()))?;
+        }
+        let (every, all_rest) = at_rest::<N>(&every_effect(&press()))?;
         row("every effect, random under load", instructions(counter, step, (&every, all_rest), random()))?;
         for form in forms() {
-            let (drive, state) = at_rest(&press().with(form.values))?;
+            let (drive, state) = at_rest::<N>(&press().with(form.values))?;
             row(form.name, instructions(counter, step, (&drive, state), random()))?;
         }
 
-        let moment = Moment { drive_input: DriveInput::Command(PerUnit::ONE), load: Load::NONE, oil_temperature: None };
+        let moment = Moment::command(N::ONE);
         let used = deepest(paper_step, (&paper, rest), &moment);
-        writeln!(out, "stack {used:>6} paper's model")?;
+        writeln!(out, "stack {used:>6} {prefix}paper's model")?;
         let used = deepest(step, (&every, all_rest), &moment);
-        writeln!(out, "stack {used:>6} every effect")?;
-        writeln!(out, "ram {:>6} coefficients, paper's model", size_of::<PaperDrive<PerUnit>>())?;
-        writeln!(out, "ram {:>6} coefficients, every effect", size_of::<Drive<PerUnit>>())?;
-        let lines = 2 * DELAY * size_of::<PerUnit>();
-        writeln!(out, "ram {:>6} state beside its delay lines", size_of::<State>() - lines)?;
-        writeln!(out, "ram {lines:>6} delay lines of {DELAY} ticks")?;
+        writeln!(out, "stack {used:>6} {prefix}every effect")?;
+        writeln!(out, "ram {:>6} coefficients, {prefix}paper's model", size_of::<PaperDrive<N>>())?;
+        writeln!(out, "ram {:>6} coefficients, {prefix}every effect", size_of::<Drive<N>>())?;
+        let lines = 2 * DELAY * size_of::<N>();
+        writeln!(out, "ram {:>6} {prefix}state beside its delay lines", size_of::<State<N>>() - lines)?;
+        writeln!(out, "ram {lines:>6} {prefix}delay lines of {DELAY} ticks")?;
+        Ok(())
+    }
+
+    pub(crate) fn report(counter: &mut Counter, out: &mut impl Write) -> Result<(), BudgetError> {
+        report_of::<PerUnit>(counter, out)?;
+        // Single precision where there is an FPU.
+        #[cfg(target_abi = "eabihf")]
+        report_of::<Single>(counter, out)?;
         Ok(())
     }
 

@@ -5,7 +5,6 @@ use core::hash::{Hash, Hasher};
 
 use model_core::drive::{Drive, DriveState};
 use model_core::machine::{Form, Machine, MachineError, Tick};
-use model_core::number::{Number, PerUnit};
 use model_core::ports::ChamberState;
 
 use super::DELAY;
@@ -13,6 +12,7 @@ use super::effects::{every_effect, forms};
 use super::fingerprint::Fingerprint;
 use super::input::Input;
 use super::machines::{press, pump};
+use super::traced::Traced;
 
 /// Ticks of a random input.
 const RANDOM_TICKS: usize = 3000;
@@ -94,20 +94,20 @@ impl Case {
         }
     }
 
-    /// Runs the trial and passes on samples.
+    /// Runs the trial in a number type and passes on samples.
     ///
     /// # Errors
     /// The machine is not valid, or the samples cannot be taken.
-    pub fn run(&self, mut take: impl FnMut(Sample) -> fmt::Result) -> Result<(), CaseError> {
-        let drive = Drive::<PerUnit>::new::<DELAY>(&self.machine(), Tick::OneMillisecond)?;
+    pub fn run<N: Traced>(&self, mut take: impl FnMut(Sample) -> fmt::Result) -> Result<(), CaseError> {
+        let drive = Drive::<N>::new::<DELAY>(&self.machine(), Tick::OneMillisecond)?;
         let mut fingerprint = Fingerprint::new();
         // Every coefficient in plain text, real numbers with all their digits.
         write!(fingerprint, "{drive:?}")?;
-        let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
-        let mut state: DriveState<PerUnit, DELAY> = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
+        let pressures = ChamberState { a: N::saturated(0.3), b: N::saturated(0.5) };
+        let mut state: DriveState<N, DELAY> = drive.at_rest(N::ZERO, pressures, N::travel(0.5));
         let ticks = if self.input == Input::Recorded { usize::MAX } else { RANDOM_TICKS };
         let mut tick = 0;
-        for moment in self.input.moments().take(ticks) {
+        for moment in self.input.moments().take(ticks).map(N::moment) {
             if let Some(temperature) = moment.oil_temperature {
                 state.oil_temperature = temperature;
             }
@@ -118,11 +118,11 @@ impl Case {
             if tick % SAMPLED == 0 {
                 take(Sample {
                     tick,
-                    spool: state.valve.spool().to_bits(),
-                    pressure_a: state.chambers.a.to_bits(),
-                    pressure_b: state.chambers.b.to_bits(),
-                    velocity: state.motion.velocity.to_bits(),
-                    position: state.motion.position.to_bits(),
+                    spool: state.valve.spool().word(),
+                    pressure_a: state.chambers.a.word(),
+                    pressure_b: state.chambers.b.word(),
+                    velocity: state.motion.velocity.word(),
+                    position: N::place(state.motion.position),
                     fingerprint: fingerprint.finish(),
                 })?;
             }
@@ -130,13 +130,13 @@ impl Case {
         Ok(())
     }
 
-    /// Writes its trace: name, then samples.
+    /// Writes its trace in a number type: name, then samples.
     ///
     /// # Errors
     /// As [`Case::run`].
-    pub fn trace(&self, out: &mut impl Write) -> Result<(), CaseError> {
-        writeln!(out, "{self}")?;
-        self.run(|sample| writeln!(out, "{sample}"))
+    pub fn trace<N: Traced>(&self, out: &mut impl Write) -> Result<(), CaseError> {
+        writeln!(out, "{}{self}", N::PREFIX)?;
+        self.run::<N>(|sample| writeln!(out, "{sample}"))
     }
 }
 

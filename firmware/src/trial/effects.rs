@@ -19,6 +19,27 @@ pub fn every_effect(machine: &Machine<f64>) -> Machine<f64> {
     first.fold(*machine, |machine, form| machine.with(form.values))
 }
 
+/// What a diagnosis finds most often in an installed drive, in the order in which [`several_effects`] takes them.
+const USUAL: [Effect; 5] = [
+    Effect::CoulombFriction,
+    Effect::InternalLeakage,
+    Effect::ValveHysteresis,
+    Effect::FlowGainNonlinearity,
+    Effect::PositionDependentVolume,
+];
+
+/// The machine with so many effects at once, 1 to 5 usual ones, each in its first form; and their count in words.
+#[must_use]
+pub fn several_effects<const COUNT: usize>(machine: &Machine<f64>) -> (&'static str, Machine<f64>) {
+    const { assert!(COUNT > 0 && COUNT <= USUAL.len(), "there are five usual effects") };
+    let name = ["one usual effect", "two usual effects", "three usual effects", "four usual effects"]
+        .get(COUNT - 1)
+        .copied()
+        .unwrap_or("five usual effects");
+    let first = USUAL.iter().take(COUNT).filter_map(|effect| effect.trial().first());
+    (name, first.fold(*machine, |machine, form| machine.with(form.values)))
+}
+
 /// The correction table for unnamed effects, once for each quantity that it may add to.
 const CORRECTION_TABLE: &[Form] = &[
     Form {
