@@ -189,6 +189,9 @@ fn drive_of(machine: &Machine<f64>, tick: Tick) {
 }
 
 /// Any machine, any state, any inputs, also stored states that no run leads to.
+///
+/// # Panics
+/// A number type that promises to stay finite does not.
 pub fn step<N>(bytes: &[u8])
 where
     N: Word + DeserializeOwned,
