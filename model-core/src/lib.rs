@@ -2,8 +2,8 @@
 //!
 //! command → [`valve`] → spool → [`flow`] → [`chambers`] → [`mechanics`] → [`sensing`]. Each link is a type of its own that can
 //! be stepped alone, and its file opens with the equations that it computes; [`drive::Drive`] composes them into one fixed-cost implicit step a tick.
-//! The equations are written once, over [`number::Number`]: fixed point on the controller and, bit for bit the same, on the desktop; `f64`, dual
-//! numbers and vectors on the desktop. [`machine::Machine`] holds a drive's SI parameters, [`machine::Parameter`] names them.
+//! The equations are written once, over [`number::Number`]: fixed point on the controller and, bit for bit the same, on the desktop; single
+//! precision ([`number::Single`]), likewise, for a controller with an FPU; `f64`, dual numbers and vectors on the desktop. [`machine::Machine`] holds a drive's SI parameters, [`machine::Parameter`] names them.
 //!
 //! Modules from the bottom up, each importing only those above it:
 //!
@@ -19,7 +19,7 @@
 //! | `coefficients` | SI parameters → per-unit coefficients, for all of the above |
 //! | [`control`] | model-following control around the drive |
 //!
-//! No allocation, no clock, no I/O, no `unsafe`, no floating point in a step.
+//! No allocation, no clock, no I/O, no `unsafe`; no floating point in a step in fixed point, nothing wider than an `f32` in single precision.
 //!
 //! ```
 //! use model_core::drive::{Drive, DriveState, DriveInput, Load};

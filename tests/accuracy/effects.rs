@@ -1,13 +1,13 @@
 //! Each effect, what an installed drive has beside the paper's model, and the pump drive, against the oracle's own form of it in its textbook limit.
 
 use model_core::machine::{BASE_FORMS, Machine, Parameter as P, Tick};
-use model_core::number::PerUnit;
+use model_core::number::{PerUnit, Single};
 use recording::excitation::signals::Excitation;
 use system_tests::drives;
-use system_tests::simulate::{Distance, Row, core, core_pump, distance, oracle_with};
+use system_tests::simulate::{Distance, core, core_pump, distance, oracle_with};
 use virtual_plant::{Cavitation, Commands, InitialState, LoadEffect, PlantEffect, PumpCommand};
 
-use crate::table::{self, TableLine};
+use crate::table::{self, TableLine, five};
 use crate::tolerances::{Case, of};
 
 const TICK: Tick = Tick::OneMillisecond;
@@ -58,32 +58,29 @@ const SLIP: PlantEffect = PlantEffect::PumpSlip {
     reference_pressure_pa: 5.0e6,
 };
 
-/// f64 and fixed point against the truth, and against each other.
-fn compare(real: &[Row], fixed: &[Row], truth: &[Row]) -> [Distance; 3] {
-    [distance(real, truth), distance(fixed, truth), distance(fixed, real)]
-}
-
 /// The largest error over the paper's signals and five of random steps.
-fn valve(machine: &Machine<f64>, effects: &[PlantEffect]) -> [Distance; 3] {
+fn valve(machine: &Machine<f64>, effects: &[PlantEffect]) -> [Distance; 5] {
     let mut signals = vec![Excitation::paper_steps(4.0), Excitation::paper_steps(10.0), Excitation::paper_sweep()];
     signals.extend((1..=5).map(Excitation::random_steps));
-    let mut worst = [Distance::default(); 3];
+    let mut worst = [Distance::default(); 5];
     for signal in signals {
         let volts = signal.sample(TICK.seconds());
         let initial = InitialState::at_rest(machine, 0.15);
         let truth = oracle_with(machine, effects, TICK, &Commands::Valve(volts.clone()), &initial);
         let real = core::<f64>(machine, TICK, &volts, &initial);
-        let found = compare(&real, &core::<PerUnit>(machine, TICK, &volts, &initial), &truth);
+        let fixed = core::<PerUnit>(machine, TICK, &volts, &initial);
+        let found = five(&truth, &real, &fixed, &core::<Single>(machine, TICK, &volts, &initial));
         worst = std::array::from_fn(|index| worst[index].or(found[index]));
     }
     worst
 }
 
-fn pump(machine: &Machine<f64>, effects: &[PlantEffect], commands: &[PumpCommand]) -> [Distance; 3] {
+fn pump(machine: &Machine<f64>, effects: &[PlantEffect], commands: &[PumpCommand]) -> [Distance; 5] {
     let initial = InitialState::at_rest_with_level(machine, 0.1, 5e5);
     let truth = oracle_with(machine, effects, TICK, &Commands::Pump(commands.to_vec()), &initial);
     let real = core_pump::<f64>(machine, TICK, commands, &initial);
-    compare(&real, &core_pump::<PerUnit>(machine, TICK, commands, &initial), &truth)
+    let fixed = core_pump::<PerUnit>(machine, TICK, commands, &initial);
+    five(&truth, &real, &fixed, &core_pump::<Single>(machine, TICK, commands, &initial))
 }
 
 /// Out, rest, back, rest, 0.3 s each.
@@ -98,9 +95,8 @@ fn out_and_back(speed_rev_per_s: impl Fn(f64) -> f64) -> Vec<PumpCommand> {
 #[test]
 fn each_effect_and_the_pump_drive_follow_the_oracle() {
     let mut lines = Vec::new();
-    let mut add = |drive: &str, signal: &str, [real, fixed, rounding]: [Distance; 3], case, rounds| {
-        let line = TableLine { drive: drive.to_owned(), signal: signal.to_owned(), real, fixed, rounding };
-        lines.push((line, case, rounds));
+    let mut add = |drive: &str, signal: &str, found: [Distance; 5], case, rounds| {
+        lines.push((TableLine::of(drive, signal.to_owned(), found), case, rounds));
     };
     for drive in drives::named() {
         for (parameter, value, effect, case, rounds) in [

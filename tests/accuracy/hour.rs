@@ -5,7 +5,7 @@ use std::thread;
 use model_core::drive::{DriveInput, Load};
 use model_core::machine::Parameter::{DeadZone, InternalLeakage, LoadForce, SupplyPressure, ValveGain, ValveOffset};
 use model_core::machine::{Machine, Tick};
-use model_core::number::{Number, PerUnit, Scalar};
+use model_core::number::{PerUnit, Scalar, Single};
 use system_tests::drives::{self, NamedDrive};
 use system_tests::simulate::{Distance, Row, at_rest, command, core, drive, oracle, row};
 use virtual_plant::InitialState;
@@ -86,9 +86,11 @@ fn an_hour_of_cycling(named: &NamedDrive) {
     let rest = (HOUR / CYCLE - SETTLED) as f64;
     let truth = Row { position: settled.position + rest * travel, ..settled };
     assert!((0.0..1.0).contains(&truth.position), "the cycle leaves the stroke: {truth:?}");
-    for (name, found) in
-        [("fixed", cycling::<PerUnit>(named, HOUR, &cycle)), ("f64", cycling::<f64>(named, HOUR, &cycle))]
-    {
+    for (name, found) in [
+        ("fixed", cycling::<PerUnit>(named, HOUR, &cycle)),
+        ("f64", cycling::<f64>(named, HOUR, &cycle)),
+        ("f32", cycling::<Single>(named, HOUR, &cycle)),
+    ] {
         let pressures = (found.pressure_a - truth.pressure_a).abs().max((found.pressure_b - truth.pressure_b).abs());
         let found = Distance { position: (found.position - truth.position).abs(), pressure: pressures };
         println!(
@@ -111,33 +113,36 @@ fn an_hour_of_cycling_ends_where_the_oracle_does() {
     });
 }
 
-fn creep_in_an_hour(named: &NamedDrive) {
+fn creep_in_an_hour<N: Scalar<Real = f64>>(named: &NamedDrive, number: &str) {
     let machine = named.machine.with(&[(LoadForce, 8e3)]);
-    let drive = drive::<PerUnit>(&machine, TICK);
+    let drive = drive::<N>(&machine, TICK);
     // Half a supply pressure away from equilibrium, so that it has to settle first.
     let mut initial = InitialState::at_rest(&machine, 0.15);
     initial.pressure_a_pa += 3.5e6;
     let mut state = at_rest(&drive, 0.0, &initial);
     let mut run = |ticks: usize| {
         for _ in 0..ticks {
-            drive.step(&mut state, DriveInput::Command(PerUnit::ZERO), Load::NONE);
+            drive.step(&mut state, DriveInput::Command(N::ZERO), Load::NONE);
         }
         row(&state)
     };
     let settled = run(10_000);
     let after = run(HOUR);
     let creep_percent = 100.0 * (after.position - settled.position);
-    println!("{:<8} creeps by {creep_percent:.6} % of stroke in one hour", named.name);
-    assert!(creep_percent.abs() <= CREEP_PERCENT, "{}: {creep_percent} %", named.name);
+    println!("{:<8} {number:<5} creeps by {creep_percent:.6} % of stroke in one hour", named.name);
+    assert!(creep_percent.abs() <= CREEP_PERCENT, "{} {number}: {creep_percent} %", named.name);
     let moved = (after.pressure_a - settled.pressure_a).abs().max((after.pressure_b - settled.pressure_b).abs());
-    assert!(moved < 1e-7, "{}: pressures creep by {moved:e}", named.name);
+    assert!(moved < 1e-7, "{} {number}: pressures creep by {moved:e}", named.name);
 }
 
 #[test]
 fn a_closed_valve_holds_a_load_for_an_hour() {
     thread::scope(|scope| {
         for named in drives::named() {
-            scope.spawn(move || creep_in_an_hour(&named));
+            scope.spawn(move || {
+                creep_in_an_hour::<PerUnit>(&named, "fixed");
+                creep_in_an_hour::<Single>(&named, "f32");
+            });
         }
     });
 }
@@ -154,10 +159,17 @@ fn an_hour_of_leakage<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> Row {
 fn leaking_for_an_hour(named: &NamedDrive) {
     for (leakage, load_n) in [(2e-12, 0.0), (2e-12, 8e3), (1e-13, 0.0)] {
         let machine = named.machine.with(&[(InternalLeakage, leakage), (LoadForce, load_n)]);
-        let (fixed, real) = (an_hour_of_leakage::<PerUnit>(&machine), an_hour_of_leakage::<f64>(&machine));
-        let apart_percent = 100.0 * (fixed.position - real.position);
-        println!("{:<8} leaks {leakage:e} under {load_n} N: {apart_percent:.6} % from f64 in one hour", named.name);
-        assert!(apart_percent.abs() <= LEAKING_PERCENT, "{} {leakage:e} {load_n}: {apart_percent} %", named.name);
+        let real = an_hour_of_leakage::<f64>(&machine);
+        for (number, found) in
+            [("fixed", an_hour_of_leakage::<PerUnit>(&machine)), ("f32", an_hour_of_leakage::<Single>(&machine))]
+        {
+            let percent = 100.0 * (found.position - real.position);
+            println!(
+                "{:<8} {number:<5} leaks {leakage:e} under {load_n} N: {percent:.6} % from f64 in an hour",
+                named.name
+            );
+            assert!(percent.abs() <= LEAKING_PERCENT, "{} {number} {leakage:e} {load_n}: {percent} %", named.name);
+        }
     }
 }
 
@@ -195,11 +207,16 @@ fn a_small_opening_is_not_swallowed() {
                 let truth = crept(&oracle(machine, TICK, &volts, &initial));
                 let real = crept(&core::<f64>(machine, TICK, &volts, &initial)) / truth - 1.0;
                 let fixed = crept(&core::<PerUnit>(machine, TICK, &volts, &initial)) / truth - 1.0;
-                let text =
-                    format!("{:<8} opening {:+.0e}: f64 {real:+.1e}, fixed {fixed:+.1e}", named.name, side * opening);
+                let single = crept(&core::<Single>(machine, TICK, &volts, &initial)) / truth - 1.0;
+                let text = format!(
+                    "{:<8} opening {:+.0e}: f64 {real:+.1e}, fixed {fixed:+.1e}, f32 {single:+.1e}",
+                    named.name,
+                    side * opening
+                );
                 println!("{text}");
                 assert!(real.abs() < 1e-5, "{text}");
                 assert!(fixed.abs() < 5e-6 + OPENING_STEPS / opening, "{text}");
+                assert!(single.abs() < 5e-6 + OPENING_STEPS / opening, "{text}");
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use system_tests::simulate::Distance;
+use system_tests::simulate::{Distance, Row, distance};
 use system_tests::snapshot;
 
 use crate::tolerances::Tolerance;
@@ -20,11 +20,21 @@ pub(crate) struct TableLine {
     pub(crate) fixed: Distance,
     /// Fixed point against f64.
     pub(crate) rounding: Distance,
+    /// Single precision against the oracle.
+    pub(crate) single: Distance,
+    /// Single precision against f64.
+    pub(crate) single_rounding: Distance,
+}
+
+/// The distances of a line: f64, fixed point and single precision against the truth, fixed point and single precision against f64.
+pub(crate) fn five(truth: &[Row], real: &[Row], fixed: &[Row], single: &[Row]) -> [Distance; 5] {
+    let of = |run: &[Row]| distance(run, truth);
+    [of(real), of(fixed), of(single), distance(fixed, real), distance(single, real)]
 }
 
 const HEAD: &str = "\
 Largest error over all ticks at 1 kHz against the oracle at 1e-10: position in % of stroke, either pressure in % of supply.
-drive    signal               f64 position  pressure   fixed position  pressure   fixed-f64 position  pressure
+drive    signal               f64 position  pressure   fixed position  pressure   fixed-f64 position  pressure   f32 position  pressure   f32-f64 position  pressure
 ";
 
 /// Where the numbers begin in a row.
@@ -35,13 +45,13 @@ const RELATIVE: f64 = 0.05;
 const LAST_DIGIT: f64 = 1.1e-6;
 
 impl TableLine {
-    fn numbers(&self) -> [f64; 6] {
-        let of = |found: Distance| [100.0 * found.position, 100.0 * found.pressure];
-        let ([a, b], [c, d], [e, f]) = (of(self.real), of(self.fixed), of(self.rounding));
-        [a, b, c, d, e, f]
+    /// A line with the distances of [`five`].
+    pub(crate) fn of(drive: &str, signal: String, found: [Distance; 5]) -> Self {
+        let [real, fixed, single, rounding, single_rounding] = found;
+        Self { drive: drive.to_owned(), signal, real, fixed, rounding, single, single_rounding }
     }
 
-    /// Compares the line with what is allowed against the oracle, and between fixed point and f64.
+    /// Compares the line with what is allowed against the oracle, and between fixed point or single precision and f64.
     ///
     /// # Panics
     /// It exceeds a limit.
@@ -49,14 +59,21 @@ impl TableLine {
         assert!(allowed.holds(self.real), "f64 misses {allowed:?}: {self}");
         assert!(allowed.holds(self.fixed), "fixed point misses {allowed:?}: {self}");
         assert!(rounding.holds(self.rounding), "fixed point and f64 part by more than {rounding:?}: {self}");
+        assert!(allowed.holds(self.single), "single precision misses {allowed:?}: {self}");
+        let near = rounding.holds(self.single_rounding);
+        assert!(near, "single precision and f64 part by more than {rounding:?}: {self}");
     }
 }
 
 impl fmt::Display for TableLine {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        let [a, b, c, d, e, f] = self.numbers();
-        let (drive, signal) = (&self.drive, &self.signal);
-        write!(formatter, "{drive:<8} {signal:<20} {a:>13.6} {b:>9.6} {c:>16.6} {d:>9.6} {e:>20.6} {f:>9.6}")
+        let Self { drive, signal, real, fixed, rounding, single, single_rounding } = self;
+        write!(formatter, "{drive:<8} {signal:<20}")?;
+        for (found, wide) in [(real, 13), (fixed, 16), (rounding, 20), (single, 14), (single_rounding, 18)] {
+            let (position, pressure) = (100.0 * found.position, 100.0 * found.pressure);
+            write!(formatter, " {position:>wide$.6} {pressure:>9.6}")?;
+        }
+        Ok(())
     }
 }
 

@@ -9,7 +9,7 @@ pub(crate) enum Case {
     StepsAndSweep,
     /// Steps of random height and length, at 1 kHz.
     RandomSteps,
-    /// Fixed point against the same step in f64, same signals.
+    /// Fixed point or single precision against the same step in f64, same signals.
     Rounding,
     /// Under ±8 kN, ±12 kN, or ten times the friction, at 2 kHz.
     LoadedHalfMillisecond,
@@ -21,19 +21,19 @@ pub(crate) enum Case {
     Effects,
     /// Dry friction, at 1 kHz.
     DryFriction,
-    /// Fixed point against the same step in f64, with dry friction.
+    /// Fixed point or single precision against the same step in f64, with dry friction.
     DryFrictionRounding,
     /// An end stop, at 1 kHz.
     Stop,
-    /// Fixed point against the same step in f64, with an end stop.
+    /// Fixed point or single precision against the same step in f64, with an end stop.
     StopRounding,
     /// A chamber that is emptied by suction and fills again, at 1 kHz.
     Void,
-    /// Fixed point against the same step in f64, with a void.
+    /// Fixed point or single precision against the same step in f64, with a void.
     VoidRounding,
     /// A pump drive, at 1 kHz.
     Pump,
-    /// One hour of cycling at 1 kHz in fixed point; the position at its end.
+    /// One hour of cycling at 1 kHz in either; the position at its end.
     Hour,
 }
 
@@ -66,7 +66,7 @@ const TABLE: &[Tolerance] = &[
         case: Case::Rounding,
         position_percent: 0.0005,
         pressure_percent: 0.0005,
-        reason: "a twentieth of the position's tolerance, so that fixed point is never what limits the accuracy",
+        reason: "a twentieth of the position's tolerance, so that fixed point or single precision is never what limits the accuracy",
     },
     Tolerance {
         case: Case::LoadedHalfMillisecond,

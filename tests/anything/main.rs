@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use model_core::drive::{Drive, DriveState};
 use model_core::machine::Tick;
-use model_core::number::{PerUnit, Scalar};
+use model_core::number::{PerUnit, Scalar, Single};
 use model_core::ports::ChamberState;
 use system_tests::anything::{TARGETS, machine_file, recording};
 use system_tests::drives;
@@ -153,6 +153,7 @@ fn write_seeds() {
         let entries = (0_u8..6).flat_map(|kind| [vec![kind], vec![0x55; 4 * 8 + 2 * 8]].concat()).collect::<Vec<u8>>();
         seed("step_fixed", number, &[machine, at_rest::<PerUnit>(&drive).as_slice(), &entries].concat());
         seed("step_float", number, &[machine, at_rest::<f64>(&drive).as_slice(), &entries].concat());
+        seed("step_single", number, &[machine, at_rest::<Single>(&drive).as_slice(), &entries].concat());
     }
 }
 

@@ -121,6 +121,63 @@ const OF_LOOP: [Row; 2] = [
     }),
 ];
 
+/// A row of the number types: its name, its cell for the numbers with this prefix, and what is wanted of single precision.
+type NumberRow = (&'static str, fn(&Board, &str) -> String, &'static str);
+
+/// Fixed point and single precision on the Cortex-M4F.
+const OF_NUMBERS: [NumberRow; 7] = [
+    (
+        "paper's model, instructions a tick: mean by input, worst",
+        |board, numbers| {
+            let [least, most] = ["steps", "random under load"]
+                .map(|input| board.step("mean", &format!("{numbers}paper's model, {input}")));
+            let worst = board.step("worst", &format!("{numbers}paper's model, random under load"));
+            format!("{least} to {most}, {worst}")
+        },
+        "400: **not met**",
+    ),
+    (
+        "three effects of three links, mean",
+        |board, numbers| several(board, numbers, "three effects"),
+        "900: **not met**",
+    ),
+    ("five effects of four links, mean", |board, numbers| several(board, numbers, "five effects"), "900: **not met**"),
+    (
+        "five effects, two of which make the edges differ, mean",
+        |board, numbers| several(board, numbers, "five effects with edges"),
+        "900: **not met**",
+    ),
+    (
+        "every effect at once, mean",
+        |board, numbers| several(board, numbers, "every effect, random under load"),
+        "3000: **not met**",
+    ),
+    (
+        "flash of the step: paper's model by itself",
+        |board, numbers| board.kilobytes(&format!("flash of the step, bytes: {numbers}paper's model"), 1),
+        "",
+    ),
+    (
+        "flash of the step: any drive, every effect included",
+        |board, numbers| board.kilobytes(&format!("flash of the step, bytes: {numbers}every effect"), 1),
+        "",
+    ),
+];
+
+fn several(board: &Board, numbers: &str, effects: &str) -> String {
+    board.step("mean", &format!("{numbers}{effects}")).to_string()
+}
+
+#[test]
+fn the_table_of_number_types_is_that_of_the_snapshot() {
+    let page = fs::read_to_string(root().join("docs/target.md")).unwrap();
+    let board = Board::of("Cortex-M4F");
+    for (name, cell, wanted) in OF_NUMBERS {
+        let row = format!("| {name} | {} | {} | {wanted} |", cell(&board, ""), cell(&board, "f32, "));
+        assert!(page.contains(&row), "docs/target.md has not:\n{row}");
+    }
+}
+
 #[test]
 fn the_tables_of_the_target_are_those_of_the_snapshot() {
     let page = fs::read_to_string(root().join("docs/target.md")).unwrap();

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use model_core::machine::{Machine, Tick};
+use model_core::number::PerUnit;
 use model_export::rust::Constants;
 use mps2::trial::{Case, Input, cases};
 use system_tests::emulator::{Processor, run_on_host};
@@ -78,7 +79,9 @@ fn assert_traces(traced: impl Fn(&Path) -> String) {
     for (machine, cases) in trials() {
         let inputs: Vec<(Input, String)> = cases.iter().map(|case| (case.input(), case.to_string())).collect();
         exports.add(&inputs[0].1, &machine, &inputs);
-        cases.iter().for_each(|case| case.trace(&mut built).unwrap_or_else(|error| panic!("{case}: {error:?}")));
+        cases
+            .iter()
+            .for_each(|case| case.trace::<PerUnit>(&mut built).unwrap_or_else(|error| panic!("{case}: {error:?}")));
     }
     let baked = traced(&exports.list());
     for (number, (built, baked)) in built.lines().zip(baked.lines()).enumerate() {

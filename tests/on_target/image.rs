@@ -5,7 +5,10 @@ use object::{Object, ObjectSymbol, SymbolKind};
 use system_tests::emulator::Processor;
 
 /// Images that contain only a step: of any drive, of the paper's model by itself, and of a baked drive.
-const STEPS: [&str; 3] = ["step", "paper_step", "baked_step"];
+const STEPS: [&str; 5] = ["step", "paper_step", "baked_step", SINGLE_STEPS[0], SINGLE_STEPS[1]];
+
+/// The first two in single precision.
+const SINGLE_STEPS: [&str; 2] = ["step_single", "paper_step_single"];
 
 /// Functions of an image, by their mangled names.
 fn functions(processor: Processor, binary: &str) -> Vec<String> {
@@ -37,10 +40,32 @@ fn no_panic_can_be_reached_from_the_step() {
     }
 }
 
-/// Floating-point arithmetic of a processor without an FPU.
+/// Functions for arithmetic in double precision, which no processor here has in its FPU.
+const DOUBLE: &[&str] = &["__aeabi_d", "__aeabi_f2d", "__adddf3", "__subdf3", "__muldf3", "__divdf3", "__extendsfdf2"];
+/// Functions for arithmetic in single precision on a processor without an FPU.
+const SOFT_SINGLE: &[&str] = &["__aeabi_f", "__addsf3", "__subsf3", "__mulsf3", "__divsf3", "sqrtf"];
+
+/// The functions with these names, or beginnings of them.
+fn named<'a>(functions: &'a [String], starts: &[&str]) -> Vec<&'a String> {
+    functions.iter().filter(|name| starts.iter().any(|start| name.starts_with(start))).collect()
+}
+
 fn floats(functions: &[String]) -> Vec<&String> {
-    let double = ["__aeabi_d", "__adddf3", "__subdf3", "__muldf3", "__divdf3"];
-    functions.iter().filter(|name| double.iter().any(|start| name.starts_with(start))).collect()
+    named(functions, DOUBLE)
+}
+
+#[test]
+fn a_step_in_single_precision_has_nothing_in_double_precision_and_with_an_fpu_nothing_in_software() {
+    for processor in Processor::ALL {
+        if processor.can_be_built_for() {
+            for binary in SINGLE_STEPS {
+                let functions = functions(processor, binary);
+                assert_eq!(floats(&functions), Vec::<&String>::new(), "{processor:?}: {binary}");
+                let soft = named(&functions, SOFT_SINGLE);
+                assert_eq!(soft.is_empty(), processor == Processor::M4F, "{processor:?}: {binary}: {soft:?}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -2,13 +2,17 @@
 
 use std::collections::BTreeSet;
 
+use model_core::number::{PerUnit, Single};
 use mps2::trial::cases;
 use system_tests::emulator::Processor;
 
 fn host() -> String {
     let mut text = String::new();
     for case in cases() {
-        case.trace(&mut text).unwrap_or_else(|error| panic!("{case}: {error:?}"));
+        case.trace::<PerUnit>(&mut text).unwrap_or_else(|error| panic!("{case}: {error:?}"));
+    }
+    for case in cases() {
+        case.trace::<Single>(&mut text).unwrap_or_else(|error| panic!("{case} in f32: {error:?}"));
     }
     text
 }
@@ -38,8 +42,8 @@ fn a_cortex_m3_computes_what_the_host_does_bit_for_bit() {
 fn two_runs_of_a_trial_are_alike_and_no_two_moments_of_it() {
     let case = cases().next().unwrap();
     let (mut once, mut again) = (String::new(), String::new());
-    case.trace(&mut once).unwrap();
-    case.trace(&mut again).unwrap();
+    case.trace::<PerUnit>(&mut once).unwrap();
+    case.trace::<PerUnit>(&mut again).unwrap();
     assert_eq!(once, again);
     let samples: BTreeSet<&str> = once.lines().skip(1).filter_map(|line| line.rsplit(' ').next()).collect();
     assert_eq!(samples.len(), 9, "one a second of 9.8 s");

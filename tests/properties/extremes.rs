@@ -6,7 +6,7 @@ use serde_json::Value;
 use model_core::drive::{Drive, DriveInput, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter as P, Source, Tick};
-use model_core::number::{Number, PerUnit, Scalar};
+use model_core::number::{Number, PerUnit, Scalar, Single};
 use model_core::ports::{ChamberState, Flows, Forces, MotionState, Spool, Surroundings};
 use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
@@ -158,5 +158,7 @@ proptest! {
         let real = thrown::<f64>(&machine, tick, start);
         let fixed = thrown::<PerUnit>(&machine, tick, start);
         prop_assert!(fixed <= 0.05 + 2.0 * real, "{fixed}, {real} in f64");
+        let single = thrown::<Single>(&machine, tick, start);
+        prop_assert!(single <= 0.05 + 2.0 * real, "{single} in f32, {real} in f64");
     }
 }

@@ -19,6 +19,7 @@ mod physics;
 mod ports;
 mod repeat;
 mod settling;
+mod single;
 mod smooth;
 mod symmetry;
 mod ticks;

@@ -12,7 +12,7 @@ use model_core::control::{Follower, Tuning};
 use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, Parameter, Source, Tick};
-use model_core::number::{Number, PerUnit, Scalar};
+use model_core::number::{Number, PerUnit, Scalar, Single};
 use model_core::ports::{Flows, Spool};
 use recording::files::source_error::{Explained, render};
 use recording::{ChannelMap, Mapping, Recording, RecordingError, Scale, Signal, StaticTable};
@@ -24,7 +24,7 @@ use crate::simulate::DELAY;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All of them. The folders of `fuzz/corpus` and the programs of `fuzz/` have these names.
-pub const TARGETS: [Target; 10] = [
+pub const TARGETS: [Target; 11] = [
     ("csv", csv),
     ("twincat", recording),
     ("mat", recording),
@@ -35,6 +35,7 @@ pub const TARGETS: [Target; 10] = [
     ("coefficients", coefficients),
     ("step_fixed", step::<PerUnit>),
     ("step_float", step::<f64>),
+    ("step_single", step::<Single>),
 ];
 
 /// Runs the target of this name.
@@ -180,13 +181,17 @@ fn drive_of(machine: &Machine<f64>, tick: Tick) {
     }
     some_ticks::<PerUnit>(machine, tick);
     some_ticks::<f64>(machine, tick);
+    some_ticks::<Single>(machine, tick);
     // The controller's rules divide by values that a machine may not have.
     if machine.check().is_ok() {
-        let _ = Follower::new(machine, &Tuning::by_rule(machine, true), tick);
+        let _ = Follower::<PerUnit>::new(machine, &Tuning::by_rule(machine, true), tick);
     }
 }
 
 /// Any machine, any state, any inputs, also stored states that no run leads to.
+///
+/// # Panics
+/// A number type that promises to stay finite does not.
 pub fn step<N>(bytes: &[u8])
 where
     N: Word + DeserializeOwned,
@@ -201,12 +206,19 @@ where
         let Some(drive_input) = words.drive_input() else { break };
         let load = Load { from: words.word(), to: words.word() };
         drive.step(&mut state, drive_input, load);
-        let _ = drive.sensed(&state);
+        let sensed = drive.sensed(&state);
+        if N::STAYS_FINITE {
+            let text = format!("{state:?} {sensed:?}");
+            assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+        }
     }
 }
 
 /// A number type in which any bits are a number.
 pub trait Word: Number<Real = f64> {
+    /// Whether it has NaN and infinities, and promises that none arises.
+    const STAYS_FINITE: bool = false;
+
     /// The number of these bits.
     fn any(bits: u64) -> Self;
 }
@@ -215,6 +227,15 @@ impl Word for PerUnit {
     #[expect(clippy::cast_possible_truncation, reason = "the lower half is the word")]
     fn any(bits: u64) -> Self {
         PerUnit::from_bits((bits as u32).cast_signed())
+    }
+}
+
+impl Word for Single {
+    const STAYS_FINITE: bool = true;
+
+    #[expect(clippy::cast_possible_truncation, reason = "the lower half is the word")]
+    fn any(bits: u64) -> Self {
+        Single::new(f32::from_bits(bits as u32))
     }
 }
 

@@ -128,7 +128,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::number::PerUnit;
+    use crate::number::{PerUnit, Single};
 
     fn law<N: Number<Real = f64>>(floor: f64) -> Cavitation<N> {
         let none = N::gain(0.0).unwrap();
@@ -166,6 +166,7 @@ mod tests {
             }
         }
         check::<PerUnit>();
+        check::<Single>();
         check::<f64>();
     }
 

@@ -1,14 +1,12 @@
 //! Machine and tuning → coefficients of the follower.
 #![expect(clippy::float_arithmetic, reason = "coefficients are computed once, before a run, in real arithmetic")]
 
-use fixed::types::{I4F28, U16F16};
-
 use super::orifice::Orifice;
 use super::overlap::Overlap;
 use super::{Follower, Tuning};
 use crate::coefficients::bases::{COMMAND_V, bases};
 use crate::machine::{Bases, Machine, MachineError, Parameter as P, Source, Tick};
-use crate::number::{Number, PerUnit};
+use crate::number::Scalar;
 
 /// Why a machine and a tuning do not become a follower.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -34,7 +32,7 @@ pub enum FollowError {
         /// Largest that is admissible.
         most: f64,
     },
-    /// A coefficient does not fit the fixed-point format.
+    /// A coefficient does not fit the number format.
     #[error("{coefficient} becomes {scaled:.6}, which does not fit; expected a magnitude below {limit}")]
     DoesNotFit {
         /// The coefficient, in words.
@@ -46,7 +44,7 @@ pub enum FollowError {
     },
 }
 
-impl Follower {
+impl<N: Scalar<Real = f64>> Follower<N> {
     /// The follower of `machine` with a period of `tick`.
     ///
     /// # Errors
@@ -67,22 +65,25 @@ impl Follower {
         Ok(Self {
             orifice: orifice(machine, &bases)?,
             overlap: overlap(machine.get(P::DeadZone), tuning.kept_overlap)?,
-            middle: signal("middle of the overlap", half_of_difference)?,
-            per_spool: gain("command per spool travel", command(1.0 / per_volt))?,
-            per_command: gain("spool travel per command", per_volt * COMMAND_V)?,
-            neutral: signal("neutral command", command(middle / per_volt))?,
-            command_limit: signal("command limit", command(tuning.command_limit_v))?,
-            slew: signal("slew a tick", command(tuning.slew_v_per_s * bases.tick_s))?,
-            velocity_limit: signal("velocity limit", tuning.velocity_limit_m_per_s / bases.velocity_m_per_s)?,
-            lead: steep("lead", tuning.lead_s / tuning.lead_filter_s)?,
-            lead_share: gain("share of the lead's filter", share(bases.tick_s, tuning.lead_filter_s))?,
-            spool_gain: steep("spool gain", tuning.spool_gain)?,
-            model_gain: steep("model gain", loop_gain(tuning.model_gain_per_s))?,
-            process_gain: steep("process gain", loop_gain(tuning.process_gain_per_s))?,
-            integral_gain: steep("process integral", loop_gain(tuning.process_integral_per_s2 * bases.tick_s))?,
-            unseen: signal("half of the position's resolution", 0.5 * tuning.position_resolution_m / bases.stroke_m)?,
-            load_share: gain("share of the load's filter", share(bases.tick_s, tuning.load_filter_s))?,
-            damping: steep(
+            middle: signal::<N>("middle of the overlap", half_of_difference)?,
+            per_spool: gain::<N>("command per spool travel", command(1.0 / per_volt))?,
+            per_command: gain::<N>("spool travel per command", per_volt * COMMAND_V)?,
+            neutral: signal::<N>("neutral command", command(middle / per_volt))?,
+            command_limit: signal::<N>("command limit", command(tuning.command_limit_v))?,
+            slew: signal::<N>("slew a tick", command(tuning.slew_v_per_s * bases.tick_s))?,
+            velocity_limit: signal::<N>("velocity limit", tuning.velocity_limit_m_per_s / bases.velocity_m_per_s)?,
+            lead: steep::<N>("lead", tuning.lead_s / tuning.lead_filter_s)?,
+            lead_share: gain::<N>("share of the lead's filter", share(bases.tick_s, tuning.lead_filter_s))?,
+            spool_gain: steep::<N>("spool gain", tuning.spool_gain)?,
+            model_gain: steep::<N>("model gain", loop_gain(tuning.model_gain_per_s))?,
+            process_gain: steep::<N>("process gain", loop_gain(tuning.process_gain_per_s))?,
+            integral_gain: steep::<N>("process integral", loop_gain(tuning.process_integral_per_s2 * bases.tick_s))?,
+            unseen: signal::<N>(
+                "half of the position's resolution",
+                0.5 * tuning.position_resolution_m / bases.stroke_m,
+            )?,
+            load_share: gain::<N>("share of the load's filter", share(bases.tick_s, tuning.load_filter_s))?,
+            damping: steep::<N>(
                 "pressure damping",
                 tuning.pressure_damping_m_per_s_n * bases.force_n / bases.velocity_m_per_s,
             )?,
@@ -122,28 +123,28 @@ fn check(tuning: &Tuning, machine: &Machine<f64>) -> Result<(), FollowError> {
     Ok(())
 }
 
-fn orifice(machine: &Machine<f64>, bases: &Bases) -> Result<Orifice, FollowError> {
+fn orifice<N: Scalar<Real = f64>>(machine: &Machine<f64>, bases: &Bases) -> Result<Orifice<N>, FollowError> {
     let ratio = machine.get(P::AreaB) / machine.get(P::AreaA);
     let (supply, tank) = (1.0, machine.get(P::TankPressure) / bases.pressure_pa);
     let flow = machine.get(P::FlowCoefficient) * libm::sqrt(bases.pressure_pa) / bases.flow_m3_per_s;
     let transition = (machine.get(P::LaminarTransition) + machine.get(P::LaminarPressure)) / bases.pressure_pa;
     Ok(Orifice {
-        ratio: gain("area ratio", ratio)?,
-        share: gain("share of the drop", 1.0 / (1.0 + ratio * ratio * ratio))?,
-        extending: signal("drop with the rod extending", supply - ratio * tank)?,
-        retracting: signal("drop with the rod retracting", ratio * supply - tank)?,
-        inverse_gain: steep("opening per flow", 1.0 / flow)?,
-        transition: signal("laminar transition", transition)?,
+        ratio: gain::<N>("area ratio", ratio)?,
+        share: gain::<N>("share of the drop", 1.0 / (1.0 + ratio * ratio * ratio))?,
+        extending: signal::<N>("drop with the rod extending", supply - ratio * tank)?,
+        retracting: signal::<N>("drop with the rod retracting", ratio * supply - tank)?,
+        inverse_gain: steep::<N>("opening per flow", 1.0 / flow)?,
+        transition: signal::<N>("laminar transition", transition)?,
     })
 }
 
-fn overlap(dead_zone: f64, kept: f64) -> Result<Overlap, FollowError> {
+fn overlap<N: Scalar<Real = f64>>(dead_zone: f64, kept: f64) -> Result<Overlap<N>, FollowError> {
     let (spread, shrunk) = if dead_zone > 0.0 { (dead_zone / kept, kept / dead_zone) } else { (1.0, 1.0) };
     Ok(Overlap {
-        whole: signal("overlap", dead_zone)?,
-        kept: signal("kept overlap", if dead_zone > 0.0 { kept } else { 0.0 })?,
-        spread: steep("overlap over what is kept", spread)?,
-        shrunk: steep("what is kept over the overlap", shrunk)?,
+        whole: signal::<N>("overlap", dead_zone)?,
+        kept: signal::<N>("kept overlap", if dead_zone > 0.0 { kept } else { 0.0 })?,
+        spread: steep::<N>("overlap over what is kept", spread)?,
+        shrunk: steep::<N>("what is kept over the overlap", shrunk)?,
     })
 }
 
@@ -151,14 +152,14 @@ fn misfit(coefficient: &'static str, scaled: f64, limit: f64) -> FollowError {
     FollowError::DoesNotFit { coefficient, scaled, limit }
 }
 
-fn signal(name: &'static str, value: f64) -> Result<PerUnit, FollowError> {
-    PerUnit::signal(value).ok_or_else(|| misfit(name, value, 8.0))
+fn signal<N: Scalar<Real = f64>>(name: &'static str, value: f64) -> Result<N, FollowError> {
+    N::signal(value).ok_or_else(|| misfit(name, value, 8.0))
 }
 
-fn gain(name: &'static str, value: f64) -> Result<I4F28, FollowError> {
-    PerUnit::gain(value).ok_or_else(|| misfit(name, value, 4.0))
+fn gain<N: Scalar<Real = f64>>(name: &'static str, value: f64) -> Result<N::Gain, FollowError> {
+    N::gain(value).ok_or_else(|| misfit(name, value, 4.0))
 }
 
-fn steep(name: &'static str, value: f64) -> Result<U16F16, FollowError> {
-    PerUnit::steep(value).ok_or_else(|| misfit(name, value, 65536.0))
+fn steep<N: Scalar<Real = f64>>(name: &'static str, value: f64) -> Result<N::Steep, FollowError> {
+    N::steep(value).ok_or_else(|| misfit(name, value, 65536.0))
 }

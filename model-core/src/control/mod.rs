@@ -61,11 +61,10 @@ mod overlap;
 mod tests;
 mod tuning;
 
-use fixed::types::{I4F28, U16F16};
 use orifice::Orifice;
 use overlap::Overlap;
 
-use crate::number::{Number, PerUnit};
+use crate::number::{PerUnit, Scalar};
 use crate::ports::ChamberState;
 
 pub use build::FollowError;
@@ -73,115 +72,115 @@ pub use tuning::Tuning;
 
 /// Where the rod is wanted, and how fast it is wanted to go there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SetPoint {
+pub struct SetPoint<N = PerUnit> {
     /// Of the stroke.
-    pub position: PerUnit,
+    pub position: N,
     /// Of the velocity base; positive extends.
-    pub velocity: PerUnit,
+    pub velocity: N,
 }
 
 /// The model's prediction of the machine's present state, per unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Predicted {
+pub struct Predicted<N = PerUnit> {
     /// Spool position; 1 is full travel, positive extends.
-    pub spool: PerUnit,
+    pub spool: N,
     /// Pressure in A, of supply.
-    pub pressure_a: PerUnit,
+    pub pressure_a: N,
     /// Pressure in B, of supply.
-    pub pressure_b: PerUnit,
+    pub pressure_b: N,
     /// Velocity, of the velocity base; positive extends.
-    pub velocity: PerUnit,
+    pub velocity: N,
     /// Position, of the stroke.
-    pub position: PerUnit,
+    pub position: N,
 }
 
 /// What the machine's sensors measure now, per unit; the process loop uses whatever is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observed {
+pub struct Observed<N = PerUnit> {
     /// Of the stroke.
-    pub position: PerUnit,
+    pub position: N,
     /// Spool position.
-    pub spool: Option<PerUnit>,
+    pub spool: Option<N>,
     /// Both pressures, of supply.
-    pub pressures: Option<ChamberState<PerUnit>>,
+    pub pressures: Option<ChamberState<N>>,
 }
 
 /// Coefficients of both loops at one tick: configuration, never state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Follower {
-    orifice: Orifice,
-    overlap: Overlap,
+pub struct Follower<N: Scalar = PerUnit> {
+    orifice: Orifice<N>,
+    overlap: Overlap<N>,
     /// Spool travel at the middle of the overlap.
-    middle: PerUnit,
+    middle: N,
     /// Command per spool travel.
-    per_spool: I4F28,
+    per_spool: N::Gain,
     /// Spool travel per command.
-    per_command: I4F28,
+    per_command: N::Gain,
     /// Command that holds the spool at the middle of the overlap.
-    neutral: PerUnit,
-    command_limit: PerUnit,
+    neutral: N,
+    command_limit: N,
     /// Largest change of a command in a tick.
-    slew: PerUnit,
-    velocity_limit: PerUnit,
+    slew: N,
+    velocity_limit: N,
     /// Lead over its filter's time constant.
-    lead: U16F16,
-    lead_share: I4F28,
-    spool_gain: U16F16,
-    model_gain: U16F16,
-    process_gain: U16F16,
-    integral_gain: U16F16,
+    lead: N::Steep,
+    lead_share: N::Gain,
+    spool_gain: N::Steep,
+    model_gain: N::Steep,
+    process_gain: N::Steep,
+    integral_gain: N::Steep,
     /// Half of the position sensor's resolution.
-    unseen: PerUnit,
-    load_share: I4F28,
-    damping: U16F16,
+    unseen: N,
+    load_share: N::Gain,
+    damping: N::Steep,
 }
 
 /// State of both loops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct FollowState {
+pub struct FollowState<N = PerUnit> {
     /// The set point's velocity, delayed by the lead's filter.
-    velocity: PerUnit,
+    velocity: N,
     /// Last command to the model.
-    model_command: PerUnit,
+    model_command: N,
     /// Last command to the machine.
-    command: PerUnit,
+    command: N,
     /// Integral of the process loop, velocity.
-    integral: PerUnit,
+    integral: N,
     /// Slow part of the oil's force on the model.
-    model_force: PerUnit,
+    model_force: N,
     /// Slow part of the difference of the oil's force, machine less model.
-    load: PerUnit,
+    load: N,
 }
 
-impl FollowState {
+impl<N: Scalar> FollowState<N> {
     /// The process loop's integral, of the velocity base: the velocity that the machine needs in addition to the model's command.
     #[must_use]
-    pub fn integral(&self) -> PerUnit {
+    pub fn integral(&self) -> N {
         self.integral
     }
 
     /// Difference of the oil's force, machine less model, per unit of force, without its fast part.
     #[must_use]
-    pub fn load(&self) -> PerUnit {
+    pub fn load(&self) -> N {
         self.load
     }
 }
 
-impl Follower {
+impl<N: Scalar> Follower<N> {
     /// At rest with the spool in the middle of its overlap: the first commands are the neutral one, wherever the rod is.
     ///
     /// `model` is at rest at the machine's position; the difference of the oil's force on the two counts as load from the start.
     #[must_use]
-    pub fn at_rest(&self, model: &Predicted, seen: &Observed) -> FollowState {
+    pub fn at_rest(&self, model: &Predicted<N>, seen: &Observed<N>) -> FollowState<N> {
         let model_force = self.orifice.force(pressures(model));
-        let load = seen.pressures.map_or(PerUnit::ZERO, |found| self.orifice.force(found) - model_force);
+        let load = seen.pressures.map_or(N::ZERO, |found| self.orifice.force(found) - model_force);
         FollowState {
-            velocity: PerUnit::ZERO,
+            velocity: N::ZERO,
             model_command: self.neutral,
             command: self.neutral,
-            integral: PerUnit::ZERO,
+            integral: N::ZERO,
             model_force,
             load,
         }
@@ -189,22 +188,22 @@ impl Follower {
 
     /// The command, in 10 V, that holds the spool in the middle of its overlap.
     #[must_use]
-    pub fn neutral(&self) -> PerUnit {
+    pub fn neutral(&self) -> N {
         self.neutral
     }
 
     /// Model loop: the command, in 10 V, that drives the model along the set point.
     #[inline]
-    pub fn model_command(&self, state: &mut FollowState, wanted: SetPoint, model: &Predicted) -> PerUnit {
+    pub fn model_command(&self, state: &mut FollowState<N>, wanted: SetPoint<N>, model: &Predicted<N>) -> N {
         let gained = wanted.velocity - state.velocity;
-        state.velocity = state.velocity + PerUnit::dot([self.lead_share], [gained]);
+        state.velocity = state.velocity + N::dot([self.lead_share], [gained]);
         let led = wanted.velocity + gained.amplified(self.lead);
         let pulled = (wanted.position - model.position).amplified(self.model_gain);
         let force = self.orifice.force(pressures(model));
         let change = force - state.model_force;
-        state.model_force = state.model_force + PerUnit::dot([self.load_share], [change]);
+        state.model_force = state.model_force + N::dot([self.load_share], [change]);
         let velocity = (led + pulled - change.amplified(self.damping)).limited(self.velocity_limit);
-        let drop = self.orifice.drop(velocity > PerUnit::ZERO, force);
+        let drop = self.orifice.drop(velocity > N::ZERO, force);
         let spool = self.overlap.spool(self.overlap.opened(self.orifice.opening(velocity, drop)));
         let hastened = spool + (spool - (model.spool - self.middle)).amplified(self.spool_gain);
         state.model_command = self.delivered(state.model_command, hastened);
@@ -214,26 +213,20 @@ impl Follower {
     /// Process loop: the command, in 10 V, for the machine; `model_command` is the model's command in this tick, `model` and
     /// `seen` are the states before it acts.
     #[inline]
-    pub fn command(
-        &self,
-        state: &mut FollowState,
-        model_command: PerUnit,
-        model: &Predicted,
-        seen: &Observed,
-    ) -> PerUnit {
+    pub fn command(&self, state: &mut FollowState<N>, model_command: N, model: &Predicted<N>, seen: &Observed<N>) -> N {
         let assumed = self.orifice.force(pressures(model));
         let change = match seen.pressures {
             Some(pressures) => self.orifice.force(pressures) - assumed - state.load,
-            None => PerUnit::ZERO,
+            None => N::ZERO,
         };
-        state.load = state.load + PerUnit::dot([self.load_share], [change]);
+        state.load = state.load + N::dot([self.load_share], [change]);
         let apart = model.position - seen.position;
         let apart = apart - apart.limited(self.unseen);
         let velocity = apart.amplified(self.process_gain) + state.integral - change.amplified(self.damping);
         let asked = velocity;
         let velocity = asked.limited(self.velocity_limit);
 
-        let fed = self.overlap.coordinate(PerUnit::dot([self.per_command], [model_command - self.neutral]));
+        let fed = self.overlap.coordinate(N::dot([self.per_command], [model_command - self.neutral]));
         let followed = self.overlap.coordinate(model.spool - self.middle);
         let correction = Correction { velocity, assumed, found: assumed + state.load };
         let spool = self.overlap.spool(self.corrected(fed, &correction));
@@ -247,8 +240,7 @@ impl Follower {
         let wanted = self.unlimited(hastened);
         state.command = self.limited(state.command, wanted);
         // No integration while a limit is active and the difference pushes further in that direction.
-        let pushes_on =
-            |beyond: PerUnit| beyond != PerUnit::ZERO && (beyond > PerUnit::ZERO) == (apart > PerUnit::ZERO);
+        let pushes_on = |beyond: N| beyond != N::ZERO && (beyond > N::ZERO) == (apart > N::ZERO);
         if !pushes_on(wanted - state.command) && !pushes_on(asked - velocity) {
             let integral = state.integral + apart.amplified(self.integral_gain);
             state.integral = integral.limited(self.velocity_limit);
@@ -258,10 +250,10 @@ impl Follower {
 
     /// A coordinate of the model, changed for the machine: the same flow under the machine's load, plus the correction.
     #[inline]
-    fn corrected(&self, w: PerUnit, correction: &Correction) -> PerUnit {
+    fn corrected(&self, w: N, correction: &Correction<N>) -> N {
         let opening = self.overlap.opening(w);
-        let direction = if opening == PerUnit::ZERO { correction.velocity } else { opening };
-        let extends = direction > PerUnit::ZERO;
+        let direction = if opening == N::ZERO { correction.velocity } else { opening };
+        let extends = direction > N::ZERO;
         let assumed = self.orifice.drop(extends, correction.assumed);
         let found = self.orifice.drop(extends, correction.found);
         w - opening + found.instead_of(assumed, opening) + self.orifice.opening(correction.velocity, found)
@@ -269,33 +261,33 @@ impl Follower {
 
     /// The command, in 10 V, that holds the spool at a travel from the middle of the overlap.
     #[inline]
-    fn unlimited(&self, spool: PerUnit) -> PerUnit {
-        self.neutral + PerUnit::dot([self.per_spool], [spool])
+    fn unlimited(&self, spool: N) -> N {
+        self.neutral + N::dot([self.per_spool], [spool])
     }
 
     /// Within the slew from the last command, and within the limit.
     #[inline]
-    fn limited(&self, last: PerUnit, wanted: PerUnit) -> PerUnit {
+    fn limited(&self, last: N, wanted: N) -> N {
         (last + (wanted - last).limited(self.slew)).limited(self.command_limit)
     }
 
     #[inline]
-    fn delivered(&self, last: PerUnit, spool: PerUnit) -> PerUnit {
+    fn delivered(&self, last: N, spool: N) -> N {
         self.limited(last, self.unlimited(spool))
     }
 }
 
 /// What the process loop adds to the model's opening.
 #[derive(Clone, Copy, Debug)]
-struct Correction {
-    velocity: PerUnit,
+struct Correction<N> {
+    velocity: N,
     /// Force of the oil for which the model's opening was computed.
-    assumed: PerUnit,
+    assumed: N,
     /// Force of the oil that acts on the machine.
-    found: PerUnit,
+    found: N,
 }
 
 #[inline]
-fn pressures(model: &Predicted) -> ChamberState<PerUnit> {
+fn pressures<N: Scalar>(model: &Predicted<N>) -> ChamberState<N> {
     ChamberState { a: model.pressure_a, b: model.pressure_b }
 }

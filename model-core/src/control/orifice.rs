@@ -10,64 +10,63 @@
 //!
 //! per unit. Effects that make the edges differ are not included; the loops' gains have to correct them.
 
-use fixed::types::{I4F28, U16F16};
-
-use crate::number::{Number, PerUnit};
+use crate::number::Scalar;
 use crate::ports::ChamberState;
 
 /// Coefficients of the inverse of the edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Orifice {
+pub(super) struct Orifice<N: Scalar> {
     /// α
-    pub(super) ratio: I4F28,
+    pub(super) ratio: N::Gain,
     /// 1/(1 + α³)
-    pub(super) share: I4F28,
+    pub(super) share: N::Gain,
     /// ps − α·pt
-    pub(super) extending: PerUnit,
+    pub(super) extending: N,
     /// α·ps − pt
-    pub(super) retracting: PerUnit,
+    pub(super) retracting: N,
     /// 1/K
-    pub(super) inverse_gain: U16F16,
+    pub(super) inverse_gain: N::Steep,
     /// Pressure drop below which the root becomes linear.
-    pub(super) transition: PerUnit,
+    pub(super) transition: N,
 }
 
 /// √d and 1/√d for one direction of the spool.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Drop {
-    pub(super) root: PerUnit,
-    inverse: U16F16,
+pub(super) struct Drop<N: Scalar> {
+    pub(super) root: N,
+    inverse: N::Steep,
 }
 
-impl Orifice {
-    /// Least pressure drop to compute with, as a share of the supply pressure: with less the opening would be unbounded.
-    const LEAST: PerUnit = PerUnit::from_bits(1 << 23);
+impl<N: Scalar> Orifice<N> {
+    /// Least pressure drop to compute with, 2⁻⁵ of the supply pressure: with less the opening would be unbounded.
+    const LEAST: u8 = 5;
 
     /// φ, the force of the oil per unit.
     #[inline]
-    pub(super) fn force(&self, pressures: ChamberState<PerUnit>) -> PerUnit {
-        pressures.a - PerUnit::dot([self.ratio], [pressures.b])
+    pub(super) fn force(&self, pressures: ChamberState<N>) -> N {
+        pressures.a - N::dot([self.ratio], [pressures.b])
     }
 
     /// Pressure drop over the edges that extend, or over those that retract.
     #[inline]
-    pub(super) fn drop(&self, extends: bool, force: PerUnit) -> Drop {
+    pub(super) fn drop(&self, extends: bool, force: N) -> Drop<N> {
         let both = if extends { self.extending - force } else { self.retracting + force };
-        let (root, inverse) = Ord::max(PerUnit::dot([self.share], [both]), Self::LEAST).orifice_root(self.transition);
+        let least = N::ONE.over_power(Self::LEAST);
+        let (root, inverse) = N::dot([self.share], [both]).max(least).orifice_root(self.transition);
         Drop { root, inverse }
     }
 
     /// Opening for a velocity.
     #[inline]
-    pub(super) fn opening(&self, velocity: PerUnit, drop: Drop) -> PerUnit {
+    pub(super) fn opening(&self, velocity: N, drop: Drop<N>) -> N {
         velocity.amplified(self.inverse_gain).amplified(drop.inverse)
     }
 }
 
-impl Drop {
+impl<N: Scalar> Drop<N> {
     /// The opening that passes the same flow here as `opening` does at another drop.
     #[inline]
-    pub(super) fn instead_of(self, other: Self, opening: PerUnit) -> PerUnit {
+    pub(super) fn instead_of(self, other: Self, opening: N) -> N {
         opening.times(other.root).amplified(self.inverse)
     }
 }
@@ -77,11 +76,12 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::number::{Number, PerUnit};
 
     const RATIO: f64 = 0.6;
     const TANK: f64 = 0.05;
 
-    fn orifice() -> Orifice {
+    fn orifice() -> Orifice<PerUnit> {
         Orifice {
             ratio: PerUnit::gain(RATIO).unwrap(),
             share: PerUnit::gain(1.0 / (1.0 + RATIO * RATIO * RATIO)).unwrap(),

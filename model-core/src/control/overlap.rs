@@ -12,62 +12,62 @@
 //! directional control valve using input shaping filter*, Mechatronics 29 (2015), and within the kept part small corrections of
 //! either sign pass no oil at all, instead of chattering from edge to edge.
 
-use fixed::types::U16F16;
-
-use crate::number::{Number, PerUnit};
+use crate::number::Scalar;
 
 /// Half of the overlap, to either side of its middle, and what is kept of it; spool travel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Overlap {
-    pub(super) whole: PerUnit,
-    pub(super) kept: PerUnit,
+pub(super) struct Overlap<N: Scalar> {
+    pub(super) whole: N,
+    pub(super) kept: N,
     /// overlap / kept; 1 without overlap.
-    pub(super) spread: U16F16,
+    pub(super) spread: N::Steep,
     /// kept / overlap; 1 without overlap.
-    pub(super) shrunk: U16F16,
+    pub(super) shrunk: N::Steep,
 }
 
-impl Overlap {
+impl<N: Scalar> Overlap<N> {
     /// From the loop's coordinate to the spool, from the overlap's middle.
     #[inline]
-    pub(super) fn spool(&self, w: PerUnit) -> PerUnit {
+    pub(super) fn spool(&self, w: N) -> N {
         let inside = w.limited(self.kept);
         if inside == w { w.amplified(self.spread).limited(self.whole) } else { w - inside + signed(self.whole, w) }
     }
 
     /// From the spool to the loop's coordinate.
     #[inline]
-    pub(super) fn coordinate(&self, spool: PerUnit) -> PerUnit {
+    pub(super) fn coordinate(&self, spool: N) -> N {
         let inside = spool.limited(self.whole);
         if inside == spool { spool.amplified(self.shrunk) } else { spool - inside + signed(self.kept, spool) }
     }
 
     /// Opening at a coordinate.
     #[inline]
-    pub(super) fn opening(&self, w: PerUnit) -> PerUnit {
+    pub(super) fn opening(&self, w: N) -> N {
         w - w.limited(self.kept)
     }
 
     /// Coordinate of an opening: the kept part of the overlap is crossed while the opening grows by the same amount.
     #[inline]
-    pub(super) fn opened(&self, opening: PerUnit) -> PerUnit {
+    pub(super) fn opened(&self, opening: N) -> N {
         opening + opening.limited(self.kept)
     }
 }
 
 /// `magnitude` with the sign of `of`.
 #[inline]
-pub(super) fn signed(magnitude: PerUnit, of: PerUnit) -> PerUnit {
+pub(super) fn signed<N: Scalar>(magnitude: N, of: N) -> N {
     of.select_positive(magnitude, -magnitude)
 }
 
 #[cfg(test)]
 mod tests {
+    use fixed::types::U16F16;
     use proptest::prelude::*;
 
     use super::*;
+    use crate::number::{Number, PerUnit};
 
-    fn overlap() -> Overlap {
+    fn overlap() -> Overlap<PerUnit> {
         Overlap {
             whole: PerUnit::saturated(0.1),
             kept: PerUnit::saturated(0.01),

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::drive::{Drive, DriveInput, DriveState, Load};
 use crate::machine::{Machine, MachineError, Parameter as P, Source, Tick};
+use crate::number::{Number, Single};
 
 fn press() -> Machine<f64> {
     let mut machine = Machine::with_defaults(Source::Valve);
@@ -37,7 +38,7 @@ fn follower() -> Follower {
     Follower::new(&press(), &tuning(), Tick::OneMillisecond).unwrap()
 }
 
-fn seen_as(model: &Predicted) -> Observed {
+fn seen_as<N: Scalar>(model: &Predicted<N>) -> Observed<N> {
     Observed { position: model.position, spool: Some(model.spool), pressures: Some(pressures(model)) }
 }
 
@@ -146,20 +147,20 @@ fn what_the_sensor_cannot_tell_corrects_nothing() {
 }
 
 /// The model on its own, commanded far in one step: its overshoot, and its largest error in the last second, m.
-fn jump(tuning: &Tuning) -> (f64, f64) {
-    let follower = Follower::new(&press(), tuning, Tick::OneMillisecond).unwrap();
-    let drive = Drive::<PerUnit>::new::<64>(&press(), Tick::OneMillisecond).unwrap();
-    let pressures = ChamberState { a: PerUnit::saturated(0.2985), b: PerUnit::saturated(0.5) };
-    let mut state: DriveState<PerUnit> = drive.at_rest(follower.neutral(), pressures, PerUnit::travel(0.2));
-    let predicted = |state: &DriveState<PerUnit>| Predicted {
+fn jump<N: Scalar<Real = f64>>(tuning: &Tuning) -> (f64, f64) {
+    let follower = Follower::<N>::new(&press(), tuning, Tick::OneMillisecond).unwrap();
+    let drive = Drive::<N>::new::<64>(&press(), Tick::OneMillisecond).unwrap();
+    let pressures = ChamberState { a: N::saturated(0.2985), b: N::saturated(0.5) };
+    let mut state: DriveState<N> = drive.at_rest(follower.neutral(), pressures, N::travel(0.2));
+    let predicted = |state: &DriveState<N>| Predicted {
         spool: drive.spool(state),
         pressure_a: state.chambers.a,
         pressure_b: state.chambers.b,
         velocity: state.motion.velocity,
-        position: PerUnit::of_travel(state.motion.position),
+        position: N::of_travel(state.motion.position),
     };
     let mut loops = follower.at_rest(&predicted(&state), &seen_as(&predicted(&state)));
-    let wanted = SetPoint { position: PerUnit::saturated(0.6), velocity: PerUnit::ZERO };
+    let wanted = SetPoint { position: N::saturated(0.6), velocity: N::ZERO };
     let (mut over_m, mut left_m) = (0.0_f64, 0.0_f64);
     for tick in 0..4000 {
         let command = follower.model_command(&mut loops, wanted, &predicted(&state));
@@ -175,8 +176,10 @@ fn jump(tuning: &Tuning) -> (f64, f64) {
 
 #[test]
 fn a_model_that_is_sent_far_at_once_arrives_and_hardly_overshoots() {
-    let (over_m, left_m) = jump(&tuning());
+    let (over_m, left_m) = jump::<PerUnit>(&tuning());
     assert!(over_m < 3e-4 && left_m < 2e-4, "{over_m} {left_m}");
+    let single = jump::<Single>(&tuning());
+    assert!((single.0 - over_m).abs() < 1e-6 && (single.1 - left_m).abs() < 1e-6, "{single:?}: {over_m} {left_m}");
 }
 
 #[test]
@@ -184,15 +187,16 @@ fn half_as_much_gain_again_does_not_make_it_swing() {
     let gains = tuning();
     for factor in [0.5, 1.2, 1.5] {
         let model_gain_per_s = factor * gains.model_gain_per_s;
-        let (over_m, left_m) = jump(&Tuning { model_gain_per_s, ..gains });
+        let (over_m, left_m) = jump::<PerUnit>(&Tuning { model_gain_per_s, ..gains });
         assert!(over_m < 2e-3 && left_m < 4e-4, "{factor}: {over_m} {left_m}");
     }
 }
 
 #[test]
 fn what_does_not_fit_is_refused_with_its_value() {
-    let refused =
-        |machine: &Machine<f64>, tuning: &Tuning| Follower::new(machine, tuning, Tick::OneMillisecond).unwrap_err();
+    let refused = |machine: &Machine<f64>, tuning: &Tuning| {
+        Follower::<PerUnit>::new(machine, tuning, Tick::OneMillisecond).unwrap_err()
+    };
     let mut pump = press();
     pump.source = Source::Pump;
     assert_eq!(refused(&pump, &tuning()), FollowError::Source { found: Source::Pump });
@@ -246,6 +250,36 @@ proptest! {
             for (now, last) in [(model_command, before.0), (command, before.1)] {
                 prop_assert!(volts(now.magnitude()) <= 10.0 + 1e-6);
                 prop_assert!(volts((now - last).magnitude()) <= 2.0 + 1e-6);
+            }
+            before = (model_command, command);
+        }
+    }
+}
+
+/// Any words, those of NaN and of the infinities too.
+fn any_period_in_single() -> impl Strategy<Value = [Single; 11]> {
+    let signal = prop_oneof![1 => any::<u32>().prop_map(f32::from_bits), 2 => -2.0_f32..2.0].prop_map(Single::from);
+    prop::collection::vec(signal, 11).prop_map(|signals| signals.try_into().unwrap())
+}
+
+proptest! {
+    #[test]
+    fn whatever_arrives_in_single_precision_both_commands_keep_to_limit_and_slew(
+        periods in prop::collection::vec(any_period_in_single(), 1..20),
+    ) {
+        let follower = Follower::<Single>::new(&press(), &tuning(), Tick::OneMillisecond).unwrap();
+        let [spool, pressure_a, pressure_b, position] = [0.01, 0.3, 0.5, 0.5].map(Single::new);
+        let model = Predicted { spool, pressure_a, pressure_b, velocity: Single::ZERO, position };
+        let mut state = follower.at_rest(&model, &seen_as(&model));
+        let mut before = (follower.neutral(), follower.neutral());
+        for [position, velocity, spool, pressure_a, pressure_b, speed, at, seen, x, a, b] in periods {
+            let model = Predicted { spool, pressure_a, pressure_b, velocity: speed, position: at };
+            let seen = Observed { position: seen, spool: Some(x), pressures: Some(ChamberState { a, b }) };
+            let model_command = follower.model_command(&mut state, SetPoint { position, velocity }, &model);
+            let command = follower.command(&mut state, model_command, &model, &seen);
+            for (now, last) in [(model_command, before.0), (command, before.1)] {
+                prop_assert!(10.0 * now.magnitude().to_f64() <= 10.0 + 1e-5, "{now:?}");
+                prop_assert!(10.0 * (now - last).magnitude().to_f64() <= 2.0 + 1e-5, "{now:?} after {last:?}");
             }
             before = (model_command, command);
         }

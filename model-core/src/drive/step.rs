@@ -101,7 +101,8 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
         let beside = with(chambers.inflow::<V>(Flows { a: N::ZERO, b: N::ZERO }, pressures, &leaks));
         let filling = chambers.filling(mechanics.making_room::<V>(motion), beside);
         let Started { flows, drawn, roots } = feed.start::<V>(pressures, state.supply.pressure, filling);
-        let inflow1 = Flows { a: flows.a.flow + beside.a, b: flows.b.flow + beside.b };
+        let inflow1 = Flows { a: flows.a.flow, b: flows.b.flow };
+        let inflow1 = if V::PLAIN { inflow1 } else { Flows { a: inflow1.a + beside.a, b: inflow1.b + beside.b } };
         // Air makes the capacity depend on the pressure: the tick takes the one that its middle will have. With that of its start an oscillating
         // chamber would lose oil from cycle to cycle.
         let midway = chambers.midway::<V>(pressures, velocity, inflow1, &flows, &leaks);

@@ -85,7 +85,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         let passing = self.passing::<V>(effects, &from, &closed, &across);
         // An edge fills the chamber with what the other edge of its port does not take away.
         let steep = |passing: Passing<N>, opening: N, across: N, filling: Filling<N>| {
-            let opening = self.sloping(opening, [passing.flow, passing.free], across, filling);
+            let opening =
+                self.sloping(passing.flow.equals(passing.free), opening, [passing.flow, passing.free], across, filling);
             Self::steepness(effects, passing.slope, opening)
         };
         let steep = Four {

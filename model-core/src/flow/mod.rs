@@ -115,19 +115,25 @@ impl<N: Number, E> Edges<N, E> {
         N::choose(flow.equals(free), || opening, || self.share_within_limit(free).of(opening))
     }
 
-    /// The opening for the pressure slope of a tick. A saturated flow has slope 0, since no pressure changes it; only when the tick brings the
+    /// The opening for the pressure slope of a tick; `within` says whether the flow is within the limit. A saturated flow has slope 0, since no pressure changes it; only when the tick brings the
     /// pressures to where the flow is not limited does the step use the limit's chord.
     ///
     /// Without that chord, a chamber that a single tick at the limit overfills would rest between the lines, short of both. With the chord in every
     /// tick, a rod on the oil spring would build up an oscillation: the step's slope would assume a damping that the saturated flow does not give.
     #[inline]
-    pub(crate) fn sloping(&self, opening: N, [flow, free]: [N; 2], across: N, filling: Filling<N>) -> N {
-        let is_within = flow.equals(free);
+    pub(crate) fn sloping(
+        &self,
+        within: N::Mask,
+        opening: N,
+        [flow, free]: [N; 2],
+        across: N,
+        filling: Filling<N>,
+    ) -> N {
         // What the rare case needs is stored only where it occurs.
-        if is_within.all() {
+        if within.all() {
             return opening;
         }
-        N::choose(is_within, || opening, || self.sloping_at_limit(opening, [flow, free], across, filling))
+        N::pick(within, opening, self.sloping_at_limit(opening, [flow, free], across, filling))
     }
 
     /// The chord's share of the opening if a tick at the limit takes the pressure difference past the point where the limit's chord begins (the
@@ -242,10 +248,13 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
     /// The root at the end of a tick that started with this one.
     ///
     /// Where the tick changes the pressure difference by less than 2⁻¹³ of it, half of the chord's slope gives the new root: its error is less than
-    /// a step of the format, so that the result does not show which way it was computed.
+    /// a step of the format, so that the result does not show which way it was computed. A number whose roots cost little more takes a new one.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "a call is half of what the shorter way computes")]
     fn root_after(&self, started: Root<N>, across: N) -> N {
+        if !N::SHORTCUTS {
+            return self.root(across).value;
+        }
         let moved = across - started.across;
         let near = (started.across.magnitude() - self.turbulent).over_power(13).above(moved.magnitude());
         let on_tangent = || started.value + moved.amplified_within(started.slope).halved();
@@ -288,8 +297,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         }
         let root = self.root(across);
         let free = opening.times(root.value);
-        let flow = free.limited(self.limit);
-        let opening = self.sloping(larger, [flow, free], across, filling);
+        let (flow, within) = free.clipped(self.limit);
+        let opening = self.sloping(within, larger, [flow, free], across, filling);
         (Linearised { flow: N::pick(closed, N::ZERO, flow), opening, slope: root.slope }, root)
     }
 

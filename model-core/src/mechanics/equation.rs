@@ -281,6 +281,12 @@ impl<'a, N: Number, V: Knows<MechanicalEffects<N>>, E: Keeps<MechanicalEffects<N
         self.level().contact(velocity, force)
     }
 
+    /// A force with what acts beside it; in a step without effects that is nothing.
+    #[inline]
+    fn with(force: N, beside: N) -> N {
+        if V::PLAIN { force } else { force + beside }
+    }
+
     /// Force per velocity that brakes the rod, where this is viscous friction alone and fits a gain. An effort is then the accelerating force;
     /// a single product turns it into the velocity gained.
     #[inline]
@@ -355,7 +361,7 @@ impl<'a, N: Number, V: Knows<MechanicalEffects<N>>, E: Keeps<MechanicalEffects<N
                 let gained = self.first_under(stage, trial, Some(gives)).velocity;
                 return after(gained.small_part(self.mechanics.gamma));
             }
-            gives.free.of(trial - stage.slowed + stage.beside) - stage.beside + stage.slowed
+            gives.free.of(Self::with(trial - stage.slowed, stage.beside)) - stage.beside + stage.slowed
         };
         N::choose(stage.sticks, || trial, force)
     }
@@ -384,7 +390,7 @@ impl<'a, N: Number, V: Knows<MechanicalEffects<N>>, E: Keeps<MechanicalEffects<N
                 return after(gained.small_part(self.mechanics.gamma));
             }
             let back = N::dot([self.row.back], [first.effort]);
-            gives.free.of(trial + stage.beside + back) - back - stage.beside
+            gives.free.of(Self::with(trial, stage.beside) + back) - back - stage.beside
         };
         N::choose(stage.sticks, || trial, force)
     }
@@ -396,7 +402,7 @@ impl<'a, N: Number, V: Knows<MechanicalEffects<N>>, E: Keeps<MechanicalEffects<N
         if self.viscous().is_none() {
             return self.second_under(stage, first, force, None);
         }
-        let effort = || force + stage.beside + N::dot([self.row.back], [first.effort]);
+        let effort = || Self::with(force, stage.beside) + N::dot([self.row.back], [first.effort]);
         N::dot([self.row.mobility], [N::choose(stage.sticks, || N::ZERO, effort)])
     }
 
@@ -408,7 +414,7 @@ impl<'a, N: Number, V: Knows<MechanicalEffects<N>>, E: Keeps<MechanicalEffects<N
         let either = self.either(stage, force, gives, |row, force, give, _| {
             N::dot([row.mobility, row.drag], [yields(give, force), yields(give, velocity)])
         });
-        let effort = force - stage.slowed + stage.beside;
+        let effort = Self::with(force - stage.slowed, stage.beside);
         Gained { velocity: self.less_into_stop(stage, either), effort, either }
     }
 
@@ -433,7 +439,7 @@ impl<'a, N: Number, V: Knows<MechanicalEffects<N>>, E: Keeps<MechanicalEffects<N
         gives: Option<Gives<N>>,
         solved: impl Fn(&Row<N>, N, Option<N>, Option<Which>) -> N,
     ) -> [N; 2] {
-        let (force, free) = (force + stage.beside, gives.map(|gives| gives.free));
+        let (force, free) = (Self::with(force, stage.beside), gives.map(|gives| gives.free));
         let (Some(held), Some(stop)) = (self.held(), stage.stop) else {
             return [solved(&self.row, force, free, None); 2];
         };
@@ -477,7 +483,8 @@ impl<'a, N: Number, V: Knows<MechanicalEffects<N>>, E: Keeps<MechanicalEffects<N
         let retracts = contact.retracts & moved.above(N::ZERO);
         let back = || N::choose(retracts, || (moved - self.turn()).max(self.turned(moved)), || moved);
         let extends = contact.extends & N::ZERO.above(moved);
-        state.velocity = N::choose(extends, || (moved + self.turn()).min(self.turned(moved)), back);
+        let turned = N::choose(extends, || (moved + self.turn()).min(self.turned(moved)), back);
+        state.velocity = turned.within_range();
         if let Some(grip) = self.grip() {
             state.bristles = grip.after(mean);
         }

@@ -1,20 +1,26 @@
 //! The number types that a model is computed in.
 //!
 //! The equations of this crate are written once, over [`Number`]. Several kinds of number run them:
-//! [`PerUnit`] on the controller; `f64`, dual numbers, and vectors with the signals of several drives on
-//! the desktop. `f64` and dual numbers are [`Real`]s; coefficients, too, are computed in these, before a run. A number that
-//! holds one signal of one drive is a [`Scalar`].
+//! [`PerUnit`], fixed point, on any controller; [`Single`], an `f32`, on one whose FPU has single precision; `f64`, dual numbers, and vectors
+//! with the signals of several drives on the desktop. `f64` and dual numbers are [`Real`]s; coefficients, too, are computed in these, before a
+//! run. A number that holds one signal of one drive is a [`Scalar`].
+//!
+//! Fixed point is the default and the reference: it needs no FPU, and its rounding is 16 times finer than that of an `f32` near 1.
 
 pub(crate) mod fixed_point;
+mod pair;
 mod real;
 pub(crate) mod relaxation;
 mod roots;
+mod single;
 
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, BitXor, Neg, Not, Sub};
 
 pub use fixed_point::PerUnit;
+pub use pair::SinglePair;
 pub use real::{Field, Real};
+pub use single::Single;
 
 /// Result of a comparison of two numbers: `bool`, or one result for each SIMD lane.
 pub trait Mask:
@@ -115,7 +121,7 @@ impl<T: Copy + PartialOrd> Compared for T {
 
 /// A scaled signal, with the few operations the model's step is made of.
 ///
-/// Sums and differences saturate where the type has a range. A product rounds to nearest. Where a decision of the step depends on a signal,
+/// Sums and differences saturate where the type has a range for them. A product rounds to nearest. Where a decision of the step depends on a signal,
 /// it uses a [`Mask`], so that a type may hold one signal each of several drives. The only exception is [`Number::is_held`]; such a type must
 /// therefore have no range limits.
 pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> {
@@ -127,11 +133,15 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     type Gain: Copy + Debug + PartialEq;
     /// A positive coefficient or slope that may be large, at lower relative precision.
     type Steep: Copy + Debug + PartialEq;
-    /// The position: an accumulator that loses nothing of what is added to it.
+    /// The position: an accumulator that loses nothing of what is added to it; in single precision no more than 2⁻²² of it.
     type Travel: Compared<Mask = Self::Mask> + Debug + PartialEq;
 
     /// Whether drives without effects get step code of their own: on a controller, where every check for an effect costs time.
     const LEAN: bool = false;
+
+    /// Whether a step goes shorter ways around roots and reciprocals: a root that hardly changed within a tick is extended along its tangent,
+    /// and 1/(1 + 0) is not computed. Not where the check costs as much as what it saves.
+    const SHORTCUTS: bool = true;
 
     /// 0
     const ZERO: Self;
@@ -187,8 +197,8 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     /// Sum of up to four signals, each with its gain, rounded once.
     fn dot<const K: usize>(gains: [Self::Gain; K], signals: [Self; K]) -> Self;
 
-    /// This signal plus Σ gain·signal, and the remainder of its rounding for the next call, in units of 2⁻²⁸; `rest` is the
-    /// remainder of the last call. So nothing that is added is lost, however small it is.
+    /// This signal plus Σ gain·signal, and the remainder of its rounding for the next call, in fixed point in units of 2⁻²⁸; `rest` is the
+    /// remainder of the last call. So nothing that is added is lost, however small it is (in single precision 2⁻²² of it).
     #[must_use]
     fn accumulated<const K: usize>(self, rest: Self, gains: [Self::Gain; K], signals: [Self; K]) -> (Self, Self);
 
@@ -206,6 +216,13 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     /// value lies beyond.
     fn is_held(self) -> bool {
         false
+    }
+
+    /// The signal as a state keeps it: held at the ends of the range by a type whose sums are not.
+    #[must_use]
+    #[inline(always)]
+    fn within_range(self) -> Self {
+        self
     }
 
     /// Whether it is 0 for any parameter value, not only for the present one.
@@ -264,6 +281,15 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
         self.min(limit).max(-limit)
     }
 
+    /// Held within ±`limit`, and whether it lies within.
+    #[must_use]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `Number::choose`")]
+    fn clipped(self, limit: Self) -> (Self, Self::Mask) {
+        let held = self.limited(limit);
+        (held, held.equals(self))
+    }
+
     /// `positive` where this signal is above zero, else `otherwise`.
     #[must_use]
     #[inline]
@@ -284,16 +310,16 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     /// The position that a signal gives in strokes; nothing is rounded away.
     fn as_travel(self) -> Self::Travel;
 
-    /// The position plus Σ gain·signal strokes; nothing is rounded away.
+    /// The position plus Σ gain·signal strokes; nothing is rounded away (in single precision 2⁻²² of what is added).
     fn travelled<const K: usize>(from: Self::Travel, gains: [Self::Gain; K], signals: [Self; K]) -> Self::Travel;
 
-    /// A sum of signals plus one more, in units of 2¹⁴ ([`SUM_UNIT`]); nothing is rounded away, and beyond 2²¹ it is held.
+    /// A sum of signals plus one more, in units of 2¹⁴ ([`SUM_UNIT`]); nothing is rounded away (as in [`Number::travelled`]), and beyond 2²¹ it is held.
     fn summed(sum: Self::Travel, more: Self) -> Self::Travel;
 
-    /// Such a sum as a signal: exact to the bit, held at the ends of its range.
+    /// Such a sum as a signal: exact to the bit (in single precision rounded to nearest), held at the ends of its range.
     fn of_sum(sum: Self::Travel) -> Self;
 
-    /// The position as a signal, in strokes, rounded down to the signal's step and held at the ends of its range.
+    /// The position as a signal, in strokes, rounded down to the signal's step (in single precision to nearest) and held at the ends of its range.
     fn of_travel(travel: Self::Travel) -> Self;
 
     /// The position in strokes.

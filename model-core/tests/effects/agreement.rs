@@ -1,11 +1,11 @@
-//! Fixed point and f64 are the same model with each effect on, alone and all together, and no input overflows.
+//! Fixed point, single precision and f64 are the same model with each effect on, alone and all together, and no input overflows.
 
 use proptest::prelude::*;
 
 use model_core::drive::{Drive, DriveInput, Load};
 use model_core::effects::Effect;
 use model_core::machine::{BASE_FORMS, Form, Machine, Parameter as P, Tick};
-use model_core::number::{Number, PerUnit, Scalar};
+use model_core::number::{Number, PerUnit, Scalar, Single};
 use model_core::ports::ChamberState;
 
 use super::bench::{State, at_rest, cases, command, commanded, drive, effects, every_effect, oil_at, press, with};
@@ -30,8 +30,8 @@ fn run<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> (Vec<f64>, [f64; 2]) {
     (positions, [sensed.pressure_a.to_f64(), sensed.pressure_b.to_f64()])
 }
 
-fn apart(machine: &Machine<f64>) -> (f64, f64) {
-    let (fixed, real) = (run::<PerUnit>(machine), run::<f64>(machine));
+fn apart<N: Scalar<Real = f64>>(machine: &Machine<f64>) -> (f64, f64) {
+    let (fixed, real) = (run::<N>(machine), run::<f64>(machine));
     let position = fixed.0.iter().zip(&real.0).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     let pressure = fixed.1.iter().zip(&real.1).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     (position, pressure)
@@ -44,18 +44,23 @@ fn travelled(machine: &Machine<f64>) -> f64 {
 }
 
 #[test]
-fn fixed_point_and_f64_agree_with_each_effect_and_base_form() {
+fn fixed_point_and_single_precision_agree_with_f64_with_each_effect_and_base_form() {
     let mut failed = false;
     let plain = run::<f64>(&press());
     // No chamber of this drive comes near a floor: cavitation has a file of its own.
     let strong = every_effect().filter(|(effect, _)| *effect != Effect::Cavitation).map(|(_, form)| form);
     for Form { name, values } in strong.chain(BASE_FORMS) {
         assert_ne!(run::<f64>(&with(&press(), values)), plain, "{name} changes nothing: no equation has it");
-        let (position, pressure) = apart(&with(&press(), values));
+        let (position, pressure) = apart::<PerUnit>(&with(&press(), values));
+        let single = apart::<Single>(&with(&press(), values));
         let ends = travelled(&with(&press(), values));
         assert!(ends > 0.03, "{name}: the drive moves, {ends}");
-        println!("{name:<36} {position:.1e} strokes, {pressure:.1e} supplies");
+        println!(
+            "{name:<36} {position:.1e} strokes, {pressure:.1e} supplies, in f32 {:.1e}, {:.1e}",
+            single.0, single.1
+        );
         failed |= !(position < POSITION && pressure < PRESSURE);
+        failed |= !(single.0 < POSITION && single.1 < PRESSURE);
     }
     assert!(!failed);
 }
@@ -90,6 +95,7 @@ fn links_alone_reproduce_the_step_with_everything_on() {
         }
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::{Machine, MachineError, Parameter as P, Tick};
-use model_core::number::{Number, PerUnit, Scalar};
+use model_core::number::{Number, PerUnit, Scalar, Single};
 use model_core::ports::ChamberState;
 
 use super::bench::{State, at_rest, cases, command, commanded, drive, position_m, press, with};
@@ -60,6 +60,7 @@ fn the_void_is_what_the_rod_ran_ahead_and_the_pressure_rises_once_it_is_back() {
         assert!((pressures_pa(&drive, &state)[0] - start.1).abs() < 100.0, "{:?}", pressures_pa(&drive, &state));
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 
@@ -89,6 +90,7 @@ fn an_open_edge_to_tank_fills_the_void_by_what_the_tank_pushes() {
         assert!(pressures_pa(&drive, &state)[0].abs() < 100.0, "the chamber is full at the tank's pressure");
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 

@@ -1,7 +1,7 @@
 //! Leakage to tank, air in the oil, volumes that follow the piston.
 
 use model_core::machine::Parameter as P;
-use model_core::number::{PerUnit, Scalar};
+use model_core::number::{PerUnit, Scalar, Single};
 
 use super::bench::{State, at_rest, commanded, drive, press, with};
 
@@ -38,6 +38,7 @@ fn a_leaking_chamber_falls_to_tank_by_its_own_time_constant() {
         assert!((a - tank_pa).abs() < 10.0, "{a}");
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 
@@ -71,6 +72,7 @@ fn air_makes_a_chamber_soft_at_low_pressure_and_hardly_at_high() {
         }
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 
@@ -87,6 +89,7 @@ fn a_chamber_grows_with_its_piston_and_never_vanishes() {
         assert!(found > 0.0 && found.is_finite());
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 
@@ -116,5 +119,6 @@ fn a_chamber_with_air_keeps_its_oil_however_often_it_breathes() {
         assert!(swing > 1e6 && (after - before).abs() * SUPPLY_PA < 0.02 * swing, "{before} {after} {swing}");
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use model_core::drive::{Drive, DriveInput, Load};
 use model_core::machine::Parameter as P;
-use model_core::number::{PerUnit, Scalar};
+use model_core::number::{PerUnit, Scalar, Single};
 use model_core::ports::{Forces, MotionState, Surroundings};
 
 use super::bench::{STROKE_M, at_rest, cases, drive, position_m, press, pushed, velocity_m_per_s, with};
@@ -59,6 +59,7 @@ fn what_sticks_stays_exactly_and_what_is_pushed_harder_goes() {
         }
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 
@@ -92,6 +93,7 @@ fn at_steady_speed_the_friction_is_its_formula() {
         );
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 
@@ -117,6 +119,7 @@ fn bristles_give_elastically_before_they_slide() {
         assert!(back_m < travel_m - 2e-5 && back_m > -5e-6, "it springs back, not all the way: {back_m}");
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use model_core::machine::Parameter as P;
-use model_core::number::{PerUnit, Scalar};
+use model_core::number::{PerUnit, Scalar, Single};
 
 use super::bench::{STROKE_M, at_rest, cases, drive, oil_at, position_m, press, pushed, velocity_m_per_s, with};
 
@@ -21,6 +21,7 @@ fn a_spring_bears_its_force_where_its_formula_says() {
         assert!((found - 0.05).abs() < 1e-6, "{found}");
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 
@@ -72,6 +73,7 @@ fn a_stop_bears_a_force_at_its_depth_and_lets_go_of_the_rod() {
         }
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 
@@ -127,6 +129,7 @@ fn friction_falls_and_leakage_rises_as_the_oil_warms() {
         }
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 
@@ -151,6 +154,7 @@ fn friction_follows_a_measured_temperature_from_tick_to_tick() {
         }
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 
@@ -180,6 +184,7 @@ fn viscous_friction_changes_along_the_stroke_as_its_formula_says() {
         }
     }
     check::<PerUnit>();
+    check::<Single>();
     check::<f64>();
 }
 

@@ -2,49 +2,52 @@
 
 use core::hint::black_box;
 
-use model_core::drive::{DriveInput, DriveState, Load};
-use model_core::number::{Number, PerUnit};
+use model_core::drive::DriveState;
 
 use cortex_m_stack as stack;
 
-use crate::trial::{DELAY, Moment};
+use crate::trial::{DELAY, Moment, Traced};
 use crate::{Counter, INSTRUCTIONS_PER_COUNT};
 
 /// State of a drive of the trials.
-pub type State = DriveState<PerUnit, DELAY>;
+pub type State<N> = DriveState<N, DELAY>;
 
 /// A model's step under an input.
-pub type Step<D> = fn(&D, &mut State, &Moment);
+pub type Step<D, N> = fn(&D, &mut State<N>, &Moment<N>);
 
 /// Ticks counted at once for the mean.
 const BATCH: u32 = 100;
 
 /// What the loop around a step itself costs.
 #[inline(never)]
-fn nothing<D>(drive: &D, state: &mut State, moment: &Moment) {
+fn nothing<D, N: Traced>(drive: &D, state: &mut State<N>, moment: &Moment<N>) {
     black_box((drive, state, moment));
 }
 
-fn count<D>(counter: &mut Counter, work: Step<D>, model: (&D, &mut State), moments: &[Moment]) -> u32 {
+fn count<D, N: Traced>(
+    counter: &mut Counter,
+    work: Step<D, N>,
+    model: (&D, &mut State<N>),
+    moments: &[Moment<N>],
+) -> u32 {
     let (drive, state) = model;
     let work = black_box(work);
     counter.counts(|| moments.iter().for_each(|moment| work(drive, state, moment)))
 }
 
 /// Mean and worst instructions of a step, the worst to within 40.
-pub fn instructions<D>(
+pub fn instructions<D, N: Traced>(
     counter: &mut Counter,
-    step: Step<D>,
-    (drive, mut state): (&D, State),
+    step: Step<D, N>,
+    (drive, mut state): (&D, State<N>),
     moments: impl Iterator<Item = Moment>,
 ) -> (u32, u32) {
     let mut beside = state;
     let (mut sum, mut ticks, mut worst) = (0, 0, 0);
-    let rest = Moment { drive_input: DriveInput::Command(PerUnit::ZERO), load: Load::NONE, oil_temperature: None };
-    let mut batch = [rest; BATCH as usize];
+    let mut batch = [Moment::command(N::ZERO); BATCH as usize];
     let mut filled = 0;
     for moment in moments {
-        batch[filled] = moment;
+        batch[filled] = N::moment(moment);
         filled += 1;
         if filled == batch.len() {
             filled = 0;
@@ -63,6 +66,6 @@ pub fn instructions<D>(
 }
 
 /// Stack of the deepest of many steps under the same input, bytes.
-pub fn deepest<D>(step: Step<D>, (drive, mut state): (&D, State), moment: &Moment) -> usize {
+pub fn deepest<D, N: Traced>(step: Step<D, N>, (drive, mut state): (&D, State<N>), moment: &Moment<N>) -> usize {
     (0..BATCH).map(|_| stack::used_by(|| step(drive, &mut state, moment)).1).max().unwrap_or(0)
 }

@@ -20,7 +20,7 @@ mod on_target {
     /// Under a command: the compiler knows that nothing else comes.
     #[inline(never)]
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "as any other model's step")]
-    fn step<B: Baked<Number = PerUnit>>(drive: &BakedDrive<B>, state: &mut State, moment: &Moment) {
+    fn step<B: Baked<Number = PerUnit>>(drive: &BakedDrive<B>, state: &mut State<PerUnit>, moment: &Moment) {
         if let DriveInput::Command(command) = moment.drive_input {
             drive.step(state, DriveInput::Command(command), moment.load);
         }

@@ -8,11 +8,13 @@ mod on_target {
 
     use model_core::drive::{Drive, DriveInput, Load, PaperDrive};
     use model_core::machine::{Machine, MachineError, Tick};
+    #[cfg(target_abi = "eabihf")]
+    use model_core::number::Single;
     use model_core::number::{Number, PerUnit};
     use model_core::ports::ChamberState;
     use mps2::Counter;
     use mps2::cost::{State, deepest, instructions};
-    use mps2::trial::{DELAY, Input, Moment, every_effect, forms, press, steps_of};
+    use mps2::trial::{DELAY, Input, Moment, SETS, Traced, every_effect, forms, press, steps_of};
     use panic_semihosting as _;
 
     /// Ticks of a random input.
@@ -40,21 +42,21 @@ mod on_target {
     }
 
     #[inline(never)]
-    fn paper_step(drive: &PaperDrive<PerUnit>, state: &mut State, moment: &Moment) {
+    fn paper_step<N: Traced>(drive: &PaperDrive<N>, state: &mut State<N>, moment: &Moment<N>) {
         if let DriveInput::Command(command) = moment.drive_input {
             drive.step(state, command, moment.load);
         }
     }
 
     #[inline(never)]
-    fn step(drive: &Drive<PerUnit>, state: &mut State, moment: &Moment) {
+    fn step<N: Traced>(drive: &Drive<N>, state: &mut State<N>, moment: &Moment<N>) {
         drive.step(state, moment.drive_input, moment.load);
     }
 
-    fn at_rest(machine: &Machine<f64>) -> Result<(Drive<PerUnit>, State), MachineError> {
-        let drive = Drive::<PerUnit>::new::<DELAY>(machine, Tick::OneMillisecond)?;
-        let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
-        let state = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
+    fn at_rest<N: Traced>(machine: &Machine<f64>) -> Result<(Drive<N>, State<N>), MachineError> {
+        let drive = Drive::<N>::new::<DELAY>(machine, Tick::OneMillisecond)?;
+        let pressures = ChamberState { a: N::saturated(0.3), b: N::saturated(0.5) };
+        let state = drive.at_rest(N::ZERO, pressures, N::travel(0.5));
         Ok((drive, state))
     }
 
@@ -66,11 +68,14 @@ mod on_target {
         Moment { load: Load::NONE, oil_temperature: None, ..moment }
     }
 
-    pub(crate) fn report(counter: &mut Counter, out: &mut impl Write) -> Result<(), BudgetError> {
+    /// The figures of one number type.
+    fn report_of<N: Traced>(counter: &mut Counter, out: &mut impl Write) -> Result<(), BudgetError> {
+        let prefix = N::PREFIX;
         let random = || Input::Random.moments().take(RANDOM_TICKS);
-        let mut row = |name: &str, (mean, worst): (u32, u32)| writeln!(out, "instructions {mean:>6} {worst:>6} {name}");
+        let mut row =
+            |name: &str, (mean, worst): (u32, u32)| writeln!(out, "instructions {mean:>6} {worst:>6} {prefix}{name}");
         let steps = [2, 4, 6, 8, 10].into_iter().flat_map(steps_of);
-        let (full, rest) = at_rest(&press())?;
+        let (full, rest) = at_rest::<N>(&press())?;
         let paper = full.without_effects().ok_or(BudgetError::HasEffects)?;
         row("paper's model, steps", instructions(counter, paper_step, (&paper, rest), steps))?;
         row("paper's model, random", instructions(counter, paper_step, (&paper, rest), random().map(commands_only)))?;
@@ -80,23 +85,35 @@ mod on_target {
             row(name, instructions(counter, paper_step, (&paper, rest), moments))?;
         }
         row("none of the effects, random under load", instructions(counter, step, (&full, rest), random()))?;
-        let (every, all_rest) = at_rest(&every_effect(&press()))?;
+        for set in SETS {
+            let (drive, state) = at_rest::<N>(&set.on(&press()))?;
+            row(set.name, instructions(counter, step, (&drive, state), random()))?;
+        }
+        let (every, all_rest) = at_rest::<N>(&every_effect(&press()))?;
         row("every effect, random under load", instructions(counter, step, (&every, all_rest), random()))?;
         for form in forms() {
-            let (drive, state) = at_rest(&press().with(form.values))?;
+            let (drive, state) = at_rest::<N>(&press().with(form.values))?;
             row(form.name, instructions(counter, step, (&drive, state), random()))?;
         }
 
-        let moment = Moment { drive_input: DriveInput::Command(PerUnit::ONE), load: Load::NONE, oil_temperature: None };
+        let moment = Moment::command(N::ONE);
         let used = deepest(paper_step, (&paper, rest), &moment);
-        writeln!(out, "stack {used:>6} paper's model")?;
+        writeln!(out, "stack {used:>6} {prefix}paper's model")?;
         let used = deepest(step, (&every, all_rest), &moment);
-        writeln!(out, "stack {used:>6} every effect")?;
-        writeln!(out, "ram {:>6} coefficients, paper's model", size_of::<PaperDrive<PerUnit>>())?;
-        writeln!(out, "ram {:>6} coefficients, every effect", size_of::<Drive<PerUnit>>())?;
-        let lines = 2 * DELAY * size_of::<PerUnit>();
-        writeln!(out, "ram {:>6} state beside its delay lines", size_of::<State>() - lines)?;
-        writeln!(out, "ram {lines:>6} delay lines of {DELAY} ticks")?;
+        writeln!(out, "stack {used:>6} {prefix}every effect")?;
+        writeln!(out, "ram {:>6} coefficients, {prefix}paper's model", size_of::<PaperDrive<N>>())?;
+        writeln!(out, "ram {:>6} coefficients, {prefix}every effect", size_of::<Drive<N>>())?;
+        let lines = 2 * DELAY * size_of::<N>();
+        writeln!(out, "ram {:>6} {prefix}state beside its delay lines", size_of::<State<N>>() - lines)?;
+        writeln!(out, "ram {lines:>6} {prefix}delay lines of {DELAY} ticks")?;
+        Ok(())
+    }
+
+    pub(crate) fn report(counter: &mut Counter, out: &mut impl Write) -> Result<(), BudgetError> {
+        report_of::<PerUnit>(counter, out)?;
+        // Single precision where there is an FPU.
+        #[cfg(target_abi = "eabihf")]
+        report_of::<Single>(counter, out)?;
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use core::hash::{Hash, Hasher};
 
 use model_core::drive::{Baked, BakedDrive, Drive, DriveInput, DriveState, Interfaces, Load};
 use model_core::machine::{Form, Machine, MachineError, Tick};
-use model_core::number::{Number, PerUnit};
+use model_core::number::Number;
 use model_core::ports::ChamberState;
 use model_core::sensing::Sensed;
 
@@ -14,6 +14,7 @@ use super::effects::{ON_A_MASS, SETS, Set, every_effect, forms};
 use super::fingerprint::Fingerprint;
 use super::input::Input;
 use super::machines::{mass, press, pump};
+use super::traced::Traced;
 
 /// Ticks of a random input.
 const RANDOM_TICKS: usize = 3000;
@@ -91,49 +92,54 @@ pub fn cases() -> impl Iterator<Item = Case> {
 }
 
 /// What is stepped in a trial: coefficients that were built, or baked ones.
-pub trait Model {
+pub trait Model<N: Traced> {
     /// At rest, as [`Drive::at_rest`].
-    fn at_rest(&self, pressures: ChamberState<PerUnit>, position: <PerUnit as Number>::Travel) -> State;
+    fn at_rest(&self, pressures: ChamberState<N>, position: N::Travel) -> State<N>;
 
     /// One tick, as [`Drive::step`].
-    fn step(&self, state: &mut State, drive_input: DriveInput<PerUnit>, load: Load<PerUnit>) -> Interfaces<PerUnit>;
+    fn step(&self, state: &mut State<N>, drive_input: DriveInput<N>, load: Load<N>) -> Interfaces<N>;
 
     /// What the sensors read, as [`Drive::sensed`].
-    fn sensed(&self, state: &State) -> Sensed<PerUnit>;
+    fn sensed(&self, state: &State<N>) -> Sensed<N>;
 
     /// The coefficients.
-    fn coefficients(&self) -> &Drive<PerUnit>;
+    fn coefficients(&self) -> &Drive<N>;
 }
 
 /// State of a trial.
-type State = DriveState<PerUnit, DELAY>;
+type State<N> = DriveState<N, DELAY>;
 
-impl Model for Drive<PerUnit> {
-    fn at_rest(&self, pressures: ChamberState<PerUnit>, position: <PerUnit as Number>::Travel) -> State {
-        Drive::at_rest(self, PerUnit::ZERO, pressures, position)
+impl<N: Traced> Model<N> for Drive<N> {
+    fn at_rest(&self, pressures: ChamberState<N>, position: N::Travel) -> State<N> {
+        Drive::at_rest(self, N::ZERO, pressures, position)
     }
-    fn step(&self, state: &mut State, drive_input: DriveInput<PerUnit>, load: Load<PerUnit>) -> Interfaces<PerUnit> {
+    fn step(&self, state: &mut State<N>, drive_input: DriveInput<N>, load: Load<N>) -> Interfaces<N> {
         Drive::step(self, state, drive_input, load)
     }
-    fn sensed(&self, state: &State) -> Sensed<PerUnit> {
+    fn sensed(&self, state: &State<N>) -> Sensed<N> {
         Drive::sensed(self, state)
     }
-    fn coefficients(&self) -> &Drive<PerUnit> {
+    fn coefficients(&self) -> &Drive<N> {
         self
     }
 }
 
-impl<B: Baked<Number = PerUnit>> Model for BakedDrive<B> {
-    fn at_rest(&self, pressures: ChamberState<PerUnit>, position: <PerUnit as Number>::Travel) -> State {
-        BakedDrive::at_rest(self, PerUnit::ZERO, pressures, position)
+impl<B: Baked<Number: Traced>> Model<B::Number> for BakedDrive<B> {
+    fn at_rest(&self, pressures: ChamberState<B::Number>, position: <B::Number as Number>::Travel) -> State<B::Number> {
+        BakedDrive::at_rest(self, B::Number::ZERO, pressures, position)
     }
-    fn step(&self, state: &mut State, drive_input: DriveInput<PerUnit>, load: Load<PerUnit>) -> Interfaces<PerUnit> {
+    fn step(
+        &self,
+        state: &mut State<B::Number>,
+        drive_input: DriveInput<B::Number>,
+        load: Load<B::Number>,
+    ) -> Interfaces<B::Number> {
         BakedDrive::step(self, state, drive_input, load)
     }
-    fn sensed(&self, state: &State) -> Sensed<PerUnit> {
+    fn sensed(&self, state: &State<B::Number>) -> Sensed<B::Number> {
         BakedDrive::sensed(self, state)
     }
-    fn coefficients(&self) -> &Drive<PerUnit> {
+    fn coefficients(&self) -> &Drive<B::Number> {
         B::DRIVE
     }
 }
@@ -155,12 +161,12 @@ impl Case {
         }
     }
 
-    /// Runs the trial and passes on samples.
+    /// Runs the trial in a number type and passes on samples.
     ///
     /// # Errors
     /// The machine is not valid, or the samples cannot be taken.
-    pub fn run(&self, take: impl FnMut(Sample) -> fmt::Result) -> Result<(), CaseError> {
-        let drive = Drive::<PerUnit>::new::<DELAY>(&self.machine(), Tick::OneMillisecond)?;
+    pub fn run<N: Traced>(&self, take: impl FnMut(Sample) -> fmt::Result) -> Result<(), CaseError> {
+        let drive = Drive::<N>::new::<DELAY>(&self.machine(), Tick::OneMillisecond)?;
         Ok(run(&drive, self.input, take)?)
     }
 
@@ -170,13 +176,13 @@ impl Case {
         self.input
     }
 
-    /// Writes its trace: name, then samples.
+    /// Writes its trace in a number type: name, then samples.
     ///
     /// # Errors
     /// As [`Case::run`].
-    pub fn trace(&self, out: &mut impl Write) -> Result<(), CaseError> {
-        writeln!(out, "{self}")?;
-        self.run(|sample| writeln!(out, "{sample}"))
+    pub fn trace<N: Traced>(&self, out: &mut impl Write) -> Result<(), CaseError> {
+        writeln!(out, "{}{self}", N::PREFIX)?;
+        self.run::<N>(|sample| writeln!(out, "{sample}"))
     }
 }
 
@@ -184,15 +190,15 @@ impl Case {
 ///
 /// # Errors
 /// The samples cannot be taken.
-pub fn run(model: &impl Model, input: Input, mut take: impl FnMut(Sample) -> fmt::Result) -> fmt::Result {
+pub fn run<N: Traced>(model: &impl Model<N>, input: Input, mut take: impl FnMut(Sample) -> fmt::Result) -> fmt::Result {
     let mut fingerprint = Fingerprint::new();
     // Every coefficient in plain text, real numbers with all their digits.
     write!(fingerprint, "{:?}", model.coefficients())?;
-    let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
-    let mut state = model.at_rest(pressures, PerUnit::travel(0.5));
+    let pressures = ChamberState { a: N::saturated(0.3), b: N::saturated(0.5) };
+    let mut state = model.at_rest(pressures, N::travel(0.5));
     let ticks = if input == Input::Recorded { usize::MAX } else { RANDOM_TICKS };
     let mut tick = 0;
-    for moment in input.moments().take(ticks) {
+    for moment in input.moments().take(ticks).map(N::moment) {
         if let Some(temperature) = moment.oil_temperature {
             state.oil_temperature = temperature;
         }
@@ -203,11 +209,11 @@ pub fn run(model: &impl Model, input: Input, mut take: impl FnMut(Sample) -> fmt
         if tick % SAMPLED == 0 {
             take(Sample {
                 tick,
-                spool: state.valve.spool().to_bits(),
-                pressure_a: state.chambers.a.to_bits(),
-                pressure_b: state.chambers.b.to_bits(),
-                velocity: state.motion.velocity.to_bits(),
-                position: state.motion.position.to_bits(),
+                spool: state.valve.spool().word(),
+                pressure_a: state.chambers.a.word(),
+                pressure_b: state.chambers.b.word(),
+                velocity: state.motion.velocity.word(),
+                position: N::place(state.motion.position),
                 fingerprint: fingerprint.finish(),
             })?;
         }

@@ -44,20 +44,42 @@ pub enum Input {
 
 /// Inputs of a drive in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct Moment<N = PerUnit> {
     /// At which link the model is driven, and with what.
-    pub drive_input: DriveInput<PerUnit>,
+    pub drive_input: DriveInput<N>,
     /// External force.
-    pub load: Load<PerUnit>,
+    pub load: Load<N>,
     /// Measured oil temperature; `None` leaves it as it was.
-    pub oil_temperature: Option<PerUnit>,
+    pub oil_temperature: Option<N>,
+}
+
+impl<N: Number> Moment<N> {
+    /// A command alone.
+    #[must_use]
+    pub fn command(command: N) -> Self {
+        Self { drive_input: DriveInput::Command(command), load: Load::NONE, oil_temperature: None }
+    }
 }
 
 impl Moment {
-    /// A command alone.
+    /// The same in another number type, each value rounded to it.
     #[must_use]
-    pub fn command(command: PerUnit) -> Self {
-        Self { drive_input: DriveInput::Command(command), load: Load::NONE, oil_temperature: None }
+    pub fn rounded_to<N: Number>(self) -> Moment<N> {
+        let to = |signal: PerUnit| N::saturated(signal.to_f64());
+        let spool = |spool: Spool<PerUnit>| Spool { from: to(spool.from), to: to(spool.to) };
+        let flows = |flows: Flows<PerUnit>| Flows { a: to(flows.a), b: to(flows.b) };
+        let drive_input = match self.drive_input {
+            DriveInput::Command(command) => DriveInput::Command(to(command)),
+            DriveInput::Spool(measured) => DriveInput::Spool(spool(measured)),
+            DriveInput::Followed { command, spool: measured } => {
+                DriveInput::Followed { command: to(command), spool: spool(measured) }
+            }
+            DriveInput::Pump(pump) => DriveInput::Pump(PumpDrive { speed: to(pump.speed), direction: pump.direction }),
+            DriveInput::Flow { from, to } => DriveInput::Flow { from: flows(from), to: flows(to) },
+            DriveInput::Force { from, to: end } => DriveInput::Force { from: to(from), to: to(end) },
+        };
+        let load = Load { from: to(self.load.from), to: to(self.load.to) };
+        Moment { drive_input, load, oil_temperature: self.oil_temperature.map(to) }
     }
 }
 

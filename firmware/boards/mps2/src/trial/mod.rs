@@ -8,6 +8,7 @@ mod effects;
 mod fingerprint;
 mod input;
 mod machines;
+mod traced;
 
 /// What `host-sim export` wrote from `presets/press-63-40.toml`: the trials' press, whatever values the firmware is built with.
 pub mod preset {
@@ -19,6 +20,7 @@ pub use effects::{SETS, Set, every_effect, forms};
 pub use fingerprint::Fingerprint;
 pub use input::{Input, Moment, RECORDED, steps_of};
 pub use machines::{mass, press, pump};
+pub use traced::Traced;
 
 /// Delay line of the trials' states, ticks.
 pub const DELAY: usize = 64;

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use diagnosis::agreement::{Change, Doubt, Tolerated};
-use diagnosis::catalogue::short_name;
+use diagnosis::catalogue::{Hypothesis, short_name};
 use diagnosis::correction_table::{Axis, Unnamed};
 use diagnosis::localisation::error_shape::Shape;
 use diagnosis::localisation::{Habit, Miss};
@@ -48,7 +48,7 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
     let mut told = json!({
         "schema": "host-sim/diagnosis/1",
         "machine": diagnosis.machine,
-        "since": diagnosis.since.as_ref().map(|held| held.iter().map(|effect| effect.name).collect::<Vec<_>>()),
+        "since": diagnosis.since.as_ref().map(|held| names(held)),
         "verdict": diagnosis.verdict,
         "unfinished": unfinished(&diagnosis.selection),
         "plausibility": diagnosis.doubts.iter().map(doubt).collect::<Vec<_>>(),
@@ -81,8 +81,8 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "still_above_noise": still_above_noise(&diagnosis.left),
         "still_above_noise_held_out": still_above_noise(&diagnosis.left_held_out),
         "training_too_narrow": diagnosis.training_is_too_narrow,
-        "not_confirmed": diagnosis.not_confirmed.iter().map(|effect| effect.name).collect::<Vec<_>>(),
-        "not_testable": diagnosis.not_testable.iter().map(|effect| effect.name).collect::<Vec<_>>(),
+        "not_confirmed": names(&diagnosis.not_confirmed),
+        "not_testable": names(&diagnosis.not_testable),
         "parameters": diagnosis.refitted.iter().map(|estimate| {
             let description = estimate.parameter.description();
             json!({
@@ -109,17 +109,26 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "prepared": evidence::prepared(&exhibits.preprocessing),
     });
     if diagnosis.since.is_some() {
-        told["since_untested"] = json!(diagnosis.untested.iter().map(|effect| effect.name).collect::<Vec<_>>());
-        told["since_otherwise"] = json!(diagnosis.otherwise.iter().map(|effect| effect.name).collect::<Vec<_>>());
-        told["then"] = json!(diagnosis.then);
-        told["oil"] = json!(diagnosis.other_oil.as_ref().map(|oil| {
-            json!({
-                "then_c": digits(oil.then_c, 4), "now_c": digits(oil.now_c, 4), "viscosity": digits(oil.viscosity, 3),
-                "sentence": wording::other_oil(oil),
-            })
-        }));
+        since(diagnosis, &mut told);
     }
     told
+}
+
+/// What was asked of then, beside the findings.
+fn since(diagnosis: &Diagnosis, told: &mut Value) {
+    told["since_untested"] = json!(names(&diagnosis.untested));
+    told["since_otherwise"] = json!(names(&diagnosis.otherwise));
+    told["then"] = json!(diagnosis.then);
+    told["oil"] = json!(diagnosis.other_oil.as_ref().map(|oil| {
+        json!({
+            "then_c": digits(oil.then_c, 4), "now_c": digits(oil.now_c, 4), "viscosity": digits(oil.viscosity, 3),
+            "sentence": wording::other_oil(oil),
+        })
+    }));
+}
+
+fn names(effects: &[&Hypothesis]) -> Vec<&'static str> {
+    effects.iter().map(|effect| effect.name).collect()
 }
 
 /// Signals that are missed, and by how much.

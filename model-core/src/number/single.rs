@@ -1,0 +1,438 @@
+//! Single precision: a signal is one `f32`, for controllers whose FPU has nothing wider (Cortex-M4F, M7, M33).
+//!
+//! Only additions, products and quotients of IEEE 754, each rounded by itself: every processor gives the same bits, with an FPU or without one.
+//! No square root (stable Rust has none without `std` that becomes the FPU's instruction): the orifice's needs w^-¼, which is found from the
+//! exponent and two steps.
+//!
+//! | quantity | held in | range | error |
+//! |---|---|---|---|
+//! | signal ([`Single`]) | a word | ±8 where it enters and in the state | 2⁻²⁴ of the value (6.0e-8) an operation |
+//! | gain, steep coefficient | a word | as in fixed point, so that both take the same machines | 2⁻²⁴ |
+//! | position, sum of signals ([`SinglePair`]) | two words | ±128 | 2⁻²² of each part that is added, 2⁻⁴⁹ of the sum |
+//! | pressure and its remainder | two words | ±8 | the same |
+//!
+//! A signal is finite whatever it is made of: a value beyond ±8 is held there as it enters, and NaN becomes 0. Within a tick sums and products
+//! are not held. They cannot overflow either: a tick starts with words of at most 8, a gain is below 4 and a steep coefficient below 65536, and
+//! a dozen products in a row are far below 3e38. What the tick leaves is held again: pressures ([`Number::accumulated`]), the position and
+//! the velocity ([`Number::within_range`]); valve and sensors answer with means of what they were given. So nothing infinite and no NaN arises.
+//!
+//! Error bounds, asserted in this file's tests: `orifice_root` and its slope 3e-7 of the value; `inverse_one_plus` and `share` 3e-7 of the value.
+
+#![expect(
+    clippy::float_arithmetic,
+    reason = "this file is the arithmetic of a processor with an FPU; `f64` is used before a run alone"
+)]
+
+use core::hash::{Hash, Hasher};
+use core::ops::{Add, Neg, Sub};
+
+use crate::number::pair::{SinglePair, added};
+use crate::number::{Number, SUM_BITS};
+
+/// A signal in single precision: per unit, within ±8 where it enters a drive, and always finite.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "f32", into = "f32"))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Single(f32);
+
+/// Largest magnitude of a signal.
+const LARGEST: f32 = 8.0;
+/// A gain's magnitude is below this.
+const LARGEST_GAIN: f64 = 4.0;
+/// A steep coefficient is below this.
+const STEEPEST: f64 = 65536.0;
+
+impl Single {
+    /// The signal of this value, held within ±8. NaN becomes 0.
+    #[must_use]
+    #[inline]
+    pub const fn new(value: f32) -> Self {
+        Self(if value.is_nan() { 0.0 } else { value.clamp(-LARGEST, LARGEST) })
+    }
+
+    /// The value.
+    #[must_use]
+    #[inline]
+    pub const fn value(self) -> f32 {
+        self.0
+    }
+
+    /// The value; exact.
+    #[must_use]
+    pub fn to_f64(self) -> f64 {
+        f64::from(self.0)
+    }
+
+    /// The word of the value, IEEE 754.
+    #[must_use]
+    pub const fn to_bits(self) -> u32 {
+        self.0.to_bits()
+    }
+}
+
+impl From<f32> for Single {
+    fn from(value: f32) -> Self {
+        Self::new(value)
+    }
+}
+
+impl From<Single> for f32 {
+    fn from(signal: Single) -> Self {
+        signal.value()
+    }
+}
+
+impl Hash for Single {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.to_bits().hash(state);
+    }
+}
+
+impl Add for Single {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+
+impl Sub for Single {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+}
+
+impl Neg for Single {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+/// The coefficient nearest to a value.
+#[expect(clippy::cast_possible_truncation, reason = "rounded to nearest; its range was checked")]
+fn word(value: f64) -> f32 {
+    value as f32
+}
+
+/// Out of line, so that a signal within the limit stays where it is.
+#[cold]
+#[inline(never)]
+fn at_limit(value: f32, limit: f32) -> f32 {
+    if value < 0.0 { -limit } else { limit }
+}
+
+/// Σ a·b, from left to right.
+#[inline]
+fn products<const K: usize>(a: [f32; K], b: [Single; K]) -> f32 {
+    let mut terms = a.into_iter().zip(b).map(|(a, b)| a * b.0);
+    let first = terms.next().unwrap_or(0.0);
+    terms.fold(first, |sum, term| sum + term)
+}
+
+/// w^-¼ of a positive number; error 2 steps (1.2e-7 of the value) from 2⁻¹²⁶ on. At 0 it is finite, 6e9, so that a root is 0 there.
+///
+/// A quarter of the exponent and of the digits, taken from a constant, is within 4 % (the constant and the first step's are those with the
+/// smallest error after that step, 1.5e-3); the second step is of third order: z + z·(r/4 + 5·r²/32) with r = 1 − w·z⁴.
+#[inline]
+fn inverse_fourth_root(w: f32) -> f32 {
+    const FROM: u32 = 0x4F54_0000;
+    let z = f32::from_bits(FROM.wrapping_sub(w.to_bits() >> 2));
+    let square = z * z;
+    let z = z * (1.276 - 0.276 * w * square * square);
+    let square = z * z;
+    let rest = 1.0 - w * square * square;
+    z + z * (rest * (0.25 + 0.156_25 * rest))
+}
+
+impl Number for Single {
+    type Real = f64;
+    type Value = f64;
+    type Gain = f32;
+    type Steep = f32;
+    type Travel = SinglePair;
+
+    const LEAN: bool = true;
+    // A root has some twenty instructions, the check and the tangent ten; a reciprocal is one.
+    const SHORTCUTS: bool = false;
+    const ZERO: Self = Self(0.0);
+    const ONE: Self = Self(1.0);
+
+    fn signal(value: f64) -> Option<Self> {
+        (value.abs() < f64::from(LARGEST)).then(|| Self(word(value)))
+    }
+    fn saturated(value: f64) -> Self {
+        Self::new(word(value))
+    }
+    #[inline]
+    fn counted(counts: i32) -> Self {
+        Self::new(counts as f32 * (1.0 / 65536.0))
+    }
+    fn to_real(self) -> f64 {
+        self.to_f64()
+    }
+    fn gain(value: f64) -> Option<f32> {
+        (value.abs() < LARGEST_GAIN).then(|| word(value))
+    }
+    fn steep(value: f64) -> Option<f32> {
+        (0.0..STEEPEST).contains(&value).then(|| word(value))
+    }
+    #[inline]
+    fn times(self, other: Self) -> Self {
+        Self(self.0 * other.0)
+    }
+    #[inline]
+    fn of(self, signal: Self) -> Self {
+        self.times(signal)
+    }
+    #[inline]
+    fn part(self, of: f32) -> Self {
+        Self(self.0 * of)
+    }
+    #[inline]
+    fn dot<const K: usize>(gains: [f32; K], signals: [Self; K]) -> Self {
+        Self(products(gains, signals))
+    }
+    #[inline]
+    fn accumulated<const K: usize>(self, rest: Self, gains: [f32; K], signals: [Self; K]) -> (Self, Self) {
+        let (sum, rest) = added(self.0, products(gains, signals) + rest.0);
+        // A sum that is held has lost more than its remainder.
+        if sum.abs() <= LARGEST { (Self(sum), Self(rest)) } else { (Self(at_limit(sum, LARGEST)), Self::ZERO) }
+    }
+    #[inline]
+    fn amplified(self, by: f32) -> Self {
+        Self(self.0 * by)
+    }
+    #[inline]
+    fn within_range(self) -> Self {
+        self.limited(Self(LARGEST))
+    }
+    #[inline]
+    fn limited(self, limit: Self) -> Self {
+        debug_assert!(limit >= Self::ZERO, "a limit is not negative: {limit:?}");
+        if self.0.abs() <= limit.0 { self } else { Self(at_limit(self.0, limit.0)) }
+    }
+    #[inline]
+    fn clipped(self, limit: Self) -> (Self, bool) {
+        // A comparison with itself would be a second one, since the compiler has to think of NaN.
+        if self.0.abs() <= limit.0 { (self, true) } else { (Self(at_limit(self.0, limit.0)), false) }
+    }
+    #[inline]
+    fn magnitude(self) -> Self {
+        Self(self.0.abs())
+    }
+    #[inline]
+    fn halved(self) -> Self {
+        Self(self.0 * 0.5)
+    }
+    #[inline]
+    fn over_power(self, bits: u8) -> Self {
+        Self(self.0 * (1.0 / (1_u64 << bits) as f32))
+    }
+    #[inline]
+    fn orifice_root(self, transition: Self) -> (Self, f32) {
+        let chord = inverse_fourth_root(self.0 * self.0 + transition.0 * transition.0);
+        (Self(self.0 * chord), chord)
+    }
+    #[inline]
+    fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [f32; K]) -> Self {
+        Self(1.0 / (1.0 + products(steep, weights)))
+    }
+    #[inline]
+    fn inverse_one_plus_product(gain: f32, signal: Self) -> Self {
+        Self(1.0 / (1.0 + gain * signal.0))
+    }
+    #[inline]
+    fn share<const K: usize>(part: Self, weights: [Self; K], steep: [f32; K]) -> Self {
+        if part.0 > 0.0 {
+            let weights = weights.map(|weight| Number::max(weight, Self::ZERO));
+            Self(part.0 / (part.0 + products(steep, weights)))
+        } else {
+            Self::ZERO
+        }
+    }
+    #[inline]
+    fn as_gain(self) -> f32 {
+        self.0
+    }
+    #[inline]
+    fn scaled(gain: f32, share: Self) -> f32 {
+        gain * share.0
+    }
+    #[inline]
+    fn of_gain(gain: f32) -> Self {
+        Self(gain)
+    }
+    fn travel(strokes: f64) -> SinglePair {
+        SinglePair::of(strokes)
+    }
+    #[inline]
+    fn as_travel(self) -> SinglePair {
+        SinglePair::exactly(self.0)
+    }
+    #[inline]
+    fn travelled<const K: usize>(from: SinglePair, gains: [f32; K], signals: [Self; K]) -> SinglePair {
+        from.plus(products(gains, signals))
+    }
+    #[inline]
+    fn summed(sum: SinglePair, more: Self) -> SinglePair {
+        sum.plus(more.over_power(SUM_BITS).0)
+    }
+    #[inline]
+    fn of_sum(sum: SinglePair) -> Self {
+        const UNIT: f32 = (1_u32 << SUM_BITS) as f32;
+        Self(sum.rounded() * UNIT).within_range()
+    }
+    #[inline]
+    fn of_travel(travel: SinglePair) -> Self {
+        Self(travel.rounded())
+    }
+    fn strokes(travel: SinglePair) -> f64 {
+        travel.to_f64()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::number::PerUnit;
+
+    /// Half a step, relative.
+    const ROUNDED: f64 = 1.0 / (1_u64 << 24) as f64;
+
+    /// Words of any size up to that of a state, both signs.
+    fn word() -> impl Strategy<Value = f32> {
+        prop_oneof![6 => (-8.0_f32..=8.0, 0_i32..60).prop_map(|(value, small)| value * 0.5_f32.powi(small)), 1 => Just(0.0), 1 => Just(8.0)]
+    }
+
+    fn steep() -> impl Strategy<Value = f32> {
+        (0.0_f32..65536.0, 0_i32..60).prop_map(|(value, small)| value * 0.5_f32.powi(small))
+    }
+
+    #[test]
+    fn whatever_enters_is_finite_and_within_the_range() {
+        for value in [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e38, -9.0, 8.0, 1e-45] {
+            let signal = Single::from(value);
+            assert!(signal.value().abs() <= 8.0, "{value} becomes {signal:?}");
+            assert_eq!(signal, Single::saturated(f64::from(value)));
+        }
+        assert_eq!([Single::new(f32::NAN), Single::new(-9.0)], [Single::ZERO, -Single::new(8.0)]);
+        assert_eq!((Single::signal(8.0), Single::signal(f64::NAN), Single::gain(4.0)), (None, None, None));
+        assert_eq!((Single::steep(-0.1), Single::steep(65536.0)), (None, None));
+        assert_eq!((Single::counted(1 << 15), Single::counted(i32::MIN)), (Single::new(0.5), Single::new(-8.0)));
+    }
+
+    #[test]
+    fn root_of_a_quarter_is_a_half_and_of_nothing_nothing() {
+        let (root, slope) = Single::new(0.25).orifice_root(Single::new(1e-6));
+        assert!((root.to_f64() - 0.5).abs() < 2e-7 && (slope - 2.0).abs() < 1e-6, "{root:?} {slope}");
+        let (nothing, slope) = Single::ZERO.orifice_root(Single::ZERO);
+        assert!(nothing == Single::ZERO && (1e9..1e10).contains(&slope), "{slope}");
+    }
+
+    /// Every word from 1 to 16, which are all mantissas with all four remainders of the exponent.
+    #[test]
+    fn the_inverse_fourth_root_is_within_two_steps_everywhere() {
+        let (mut worst, mut bits) = (0.0_f64, 1.0_f32.to_bits());
+        while bits < 16.0_f32.to_bits() {
+            let w = f32::from_bits(bits);
+            let exact = 1.0 / libm::sqrt(libm::sqrt(f64::from(w)));
+            worst = worst.max((f64::from(inverse_fourth_root(w)) / exact - 1.0).abs());
+            bits += 5;
+        }
+        assert!(worst < 1.3e-7, "{worst:e}");
+        for power in [-126, -56, -20, 4, 100, 126] {
+            let w = 2.0_f32.powi(power);
+            let found = f64::from(inverse_fourth_root(w)) * libm::exp2(0.25 * f64::from(power));
+            assert!((found - 1.0).abs() < 1.3e-7, "2^{power}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_million_parts_that_a_pressure_would_swallow_fill_it() {
+        let (mut pressure, mut rest) = (Single::new(0.5), Single::ZERO);
+        for _ in 0..1_000_000 {
+            (pressure, rest) = pressure.accumulated(rest, [0.5], [Single::new(2e-9)]);
+        }
+        assert!((pressure.to_f64() + rest.to_f64() - 0.501).abs() < 1e-9, "{pressure:?} {rest:?}");
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(5000))]
+
+        #[test]
+        fn root_and_slope_agree_with_the_formula(delta in word(), pt in 1e-7_f32..0.1) {
+            let (root, slope) = Single::new(delta).orifice_root(Single::new(pt));
+            let (d, p) = (f64::from(delta), f64::from(pt));
+            let exact = (d * d + p * p).powf(-0.25);
+            prop_assert!((f64::from(slope) / exact - 1.0).abs() <= 3e-7, "{slope} {exact}");
+            prop_assert!((root.to_f64() - d * exact).abs() <= 3e-7 * (d * exact).abs() + 1e-38, "{root:?} {exact}");
+            prop_assert_eq!(Single::new(-delta).orifice_root(Single::new(pt)).0, -root);
+        }
+
+        #[test]
+        fn inverse_and_share_agree_with_their_formulas(part in word(), weight in word(), steep in steep()) {
+            let (p, w, s) = (f64::from(part.abs()), f64::from(weight.abs()), f64::from(steep));
+            let [part, weight] = [part, weight].map(|word| Single::new(word.abs()));
+            let inverse = Single::inverse_one_plus([weight], [steep]).to_f64();
+            prop_assert!((inverse * (1.0 + w * s) - 1.0).abs() <= 3e-7, "{inverse}");
+            let share = Single::share(part, [weight], [steep]).to_f64();
+            let exact = if p > 0.0 { p / (p + w * s) } else { 0.0 };
+            prop_assert!((share - exact).abs() <= 3e-7 * exact && share <= 1.0, "{share} {exact}");
+            let of_product = Single::inverse_one_plus_product(steep.min(4.0), weight).to_f64();
+            prop_assert!((of_product * (1.0 + w * s.min(4.0)) - 1.0).abs() <= 3e-7, "{of_product}");
+        }
+
+        #[test]
+        fn accumulating_loses_no_more_than_the_rounding_of_its_parts(
+            gain in -4.0_f32..4.0, signals in prop::collection::vec((-1.0_f32..1.0, 0_i32..40), 1..200),
+        ) {
+            let (mut sum, mut rest, mut exact, mut size) = (Single::ZERO, Single::ZERO, 0.0_f64, 0.0_f64);
+            for (signal, small) in signals {
+                let signal = signal * 0.5_f32.powi(small);
+                let part = f64::from(gain) * f64::from(signal);
+                if (exact + part).abs() > 7.0 {
+                    break;
+                }
+                (sum, rest) = sum.accumulated(rest, [gain], [Single::new(signal)]);
+                (exact, size) = (exact + part, size + part.abs() + rest.to_f64().abs());
+                prop_assert!((sum.to_f64() + rest.to_f64() - exact).abs() <= 4.0 * ROUNDED * size);
+                prop_assert!(rest.to_f64().abs() <= ROUNDED * 8.0);
+            }
+        }
+
+        #[test]
+        fn what_a_state_keeps_is_finite_and_within_the_range(value in word(), gain in -4.0_f32..4.0, by in steep()) {
+            let large = Single::new(value).amplified(by).amplified(by);
+            let (pressure, rest) = Single::new(value).accumulated(Single::new(value), [gain], [large]);
+            for kept in [pressure, rest, large.within_range()] {
+                prop_assert!(kept.value().abs() <= 8.0, "{kept:?}");
+            }
+            let travel = Single::travelled(large.within_range().as_travel(), [gain], [large]);
+            prop_assert!(Single::of_travel(travel).value().abs() <= 128.0, "{travel:?}");
+        }
+
+        #[test]
+        fn a_value_that_fits_fixed_point_fits_here_and_the_other_way_round(value in -10.0_f64..10.0, steep in -1.0_f64..7e4) {
+            prop_assume!((value.abs() - 8.0).abs() > 1e-6 && (value.abs() - 4.0).abs() > 1e-6);
+            prop_assert_eq!(Single::signal(value).is_some(), PerUnit::signal(value).is_some());
+            prop_assert_eq!(Single::gain(value).is_some(), <PerUnit as Number>::gain(value).is_some());
+            prop_assert_eq!(Single::steep(steep).is_some(), <PerUnit as Number>::steep(steep).is_some());
+            prop_assert!(Single::signal(value).is_none_or(|signal| (signal.to_f64() - value).abs() <= ROUNDED * value.abs()));
+        }
+
+        #[test]
+        fn a_signal_is_a_position_to_the_bit(value in word()) {
+            let signal = Single::new(value);
+            prop_assert_eq!(signal.as_travel(), Single::travel(f64::from(value)));
+            prop_assert_eq!(Single::of_travel(signal.as_travel()), signal);
+            prop_assert_eq!(Single::of_sum(Single::summed(Single::ZERO.as_travel(), signal)), signal);
+        }
+    }
+}
