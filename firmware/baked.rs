@@ -31,7 +31,7 @@ pub const VALUES: &[(Parameter, f64)] = &[
 ];
 
 /// CRC-32 of the coefficients, which the header of the C library has too.
-pub const FINGERPRINT: u32 = 0xd21fb77c;
+pub const FINGERPRINT: u32 = 0xd21f_b77c;
 /// Bytes of a state with its delay lines.
 pub const STATE_BYTES: usize = 272;
 
