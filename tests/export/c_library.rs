@@ -26,15 +26,15 @@ struct Exported {
     moments: Vec<Moment>,
 }
 
-fn exported(machine: Machine<f64>, input: Input) -> Exported {
+fn exported(machine: &Machine<f64>, input: Input) -> Exported {
     let folder = tempfile::tempdir().unwrap();
     let [file, header, source] = ["machine.toml", "drive.h", "drive.rs"].map(|name| folder.path().join(name));
-    MachineFile::from_machine("drive \"ü\" ??/", machine).save(&file).unwrap();
+    MachineFile::from_machine("drive \"ü\" ??/", *machine).save(&file).unwrap();
     for out in [&header, &source] {
         done(&["export", "--machine", text(&file), "--bake", "--out", text(out)]);
     }
     let moments: Vec<Moment> = input.moments().take(TICKS).collect();
-    let exported = Exported { folder, machine, moments };
+    let exported = Exported { folder, machine: *machine, moments };
     std::fs::write(exported.folder.path().join("inputs.h"), exported.inputs()).unwrap();
     exported
 }
@@ -153,7 +153,7 @@ fn a_c_program_on_the_host_reads_what_the_built_drive_reads() {
     let several = SETS.iter().map(|set| (set.name, set.on(&press()), Input::Random));
     let plain = [("press", press(), Input::Random), ("pump", pump(), Input::Pump), ("mass", mass(), Input::Force)];
     for (name, machine, input) in plain.into_iter().chain(several) {
-        let exported = exported(machine, input);
+        let exported = exported(&machine, input);
         exported.library(None);
         let program = exported.compile("cc", &here("export/trace.c"), &[], &HOST);
         let printed = Command::new(program).output().unwrap();
@@ -177,7 +177,7 @@ fn a_c_program_on_the_emulated_target_reads_what_the_built_drive_reads() {
         ("thumbv7m-none-eabi", "mps2-an385", "cortex-m3", &["-mcpu=cortex-m3"]),
         ("thumbv6m-none-eabi", "mps2-an385", "cortex-m3", &["-mcpu=cortex-m0"]),
     ];
-    let exported = exported(SETS[0].on(&press()), Input::Random);
+    let exported = exported(&SETS[0].on(&press()), Input::Random);
     let script = text(&here("export/target.ld")).to_owned();
     for (target, machine, processor, options) in boards {
         exported.library(Some(target));
@@ -197,7 +197,7 @@ fn a_c_program_on_the_emulated_target_reads_what_the_built_drive_reads() {
 
 #[test]
 fn the_library_is_built_for_every_family_of_cortex_m() {
-    let exported = exported(press(), Input::Random);
+    let exported = exported(&press(), Input::Random);
     for target in ["thumbv6m-none-eabi", "thumbv7m-none-eabi", "thumbv7em-none-eabihf", "thumbv8m.main-none-eabihf"] {
         let folder = Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output().unwrap();
         if !Path::new(String::from_utf8_lossy(&folder.stdout).trim()).is_dir() {
@@ -213,7 +213,7 @@ fn the_examples_compile_with_every_warning_and_move_the_rod() {
     if !is_there("cc") {
         return;
     }
-    let exported = exported(press(), Input::Random);
+    let exported = exported(&press(), Input::Random);
     exported.library(None);
     for example in ["superloop.c", "plc.c"] {
         let program = exported.compile("cc", &here("../drive-c/examples").join(example), &[], &HOST);
@@ -238,7 +238,7 @@ fn the_header_has_the_inputs_of_its_source_and_no_other() {
         (pump(), Input::Pump, "int32_t pump_speed_q28;", "int32_t command_q28; /* command"),
         (mass(), Input::Force, "int32_t force_q28;", "load_q28"),
     ] {
-        let exported = exported(machine, input);
+        let exported = exported(&machine, input);
         let header = std::fs::read_to_string(exported.folder.path().join("drive.h")).unwrap();
         assert!(header.contains(has) && !header.contains(has_not), "{header}");
         assert_eq!(header.contains("DRIVE_PRESSURE_BASE_PA"), exported.machine.source != Source::Force, "{header}");

@@ -39,7 +39,8 @@ impl Exports {
         self.list.push_str(";\n");
         writeln!(
             self.files,
-            "#[allow(dead_code, unreachable_pub)]\nmod drive_{number} {{\n    include!({file:?});\n}}"
+            "#[allow(dead_code, unreachable_pub)]\nmod drive_{number} {{\n    include!({:?});\n}}",
+            file.to_string_lossy()
         )
         .unwrap();
         file
@@ -79,9 +80,9 @@ fn assert_traces(traced: impl Fn(&Path) -> String) {
     for (machine, cases) in trials() {
         let inputs: Vec<(Input, String)> = cases.iter().map(|case| (case.input(), case.to_string())).collect();
         exports.add(&inputs[0].1, &machine, &inputs);
-        cases
-            .iter()
-            .for_each(|case| case.trace::<PerUnit>(&mut built).unwrap_or_else(|error| panic!("{case}: {error:?}")));
+        for case in &cases {
+            case.trace::<PerUnit>(&mut built).unwrap_or_else(|error| panic!("{case}: {error:?}"));
+        }
     }
     let baked = traced(&exports.list());
     for (number, (built, baked)) in built.lines().zip(baked.lines()).enumerate() {

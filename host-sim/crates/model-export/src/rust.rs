@@ -137,7 +137,7 @@ impl Coefficients {
         let types = types.iter().copied().collect::<Vec<_>>().join(", ");
         let expression = expression.replace('\n', "\n        ");
         writeln!(out, "\n/// CRC-32 of the coefficients, which the header of the C library has too.")?;
-        let (upper, lower) = (self.fingerprint >> 16, self.fingerprint & 0xffff);
+        let [upper, lower] = [self.fingerprint >> 16, self.fingerprint & 0xffff];
         writeln!(out, "pub const FINGERPRINT: u32 = 0x{upper:04x}_{lower:04x};")?;
         writeln!(
             out,
