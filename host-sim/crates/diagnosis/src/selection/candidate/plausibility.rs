@@ -9,7 +9,7 @@ use crate::agreement::{FAR_FROM, USED_UP};
 use crate::catalogue::{EffectParameter, Form, Hypothesis, Kind, Scene, covered_by, tolerance};
 use crate::selection::decision_rule::{
     AMOUNT_NEGLIGIBLE, FIRM_FROM, HARDLY_JUMPS_FROM, MAKES_UP_WITHIN, PLACE_WITHIN, PRESSED, PRESSED_SIGNED,
-    PULLED_TOO_FAR_QUANTILE, SHAPES_A_PLAY_BELOW, SIGNED_NEGLIGIBLE,
+    PULLED_TOO_FAR_QUANTILE, SHAPES_A_PLAY_BELOW, SIGNED_NEGLIGIBLE, TRADES_FROM,
 };
 
 impl Candidate {
@@ -131,17 +131,14 @@ impl Candidate {
     /// Whether of an effect that may have changed there is less by one amount and more by another: then it acts otherwise than then, as the same drive does
     /// that is driven otherwise, and no more or less of it is told.
     pub(crate) fn trades(&self, question: &Question<'_>, form: Form) -> bool {
-        let amounts = || form.iter().filter(|own| matches!(own.kind, Kind::Amount(_) | Kind::Firm(_)));
-        let gained =
-            |own: &EffectParameter| self.fit.machine.get(own.parameter) - question.scene.machine.get(own.parameter);
-        let is_less = |own: &EffectParameter| {
-            question.scene.is_changed(own, self.fit.machine.get(own.parameter)) == Some(true) && gained(own) < 0.0
-        };
-        let is_more = |own: &EffectParameter| {
-            let value = self.fit.machine.get(own.parameter);
-            question.scene.is_beyond(question.base_parameters, own, value) && gained(own) > 0.0
-        };
-        question.scene.holds(form) && amounts().any(is_less) && amounts().any(is_more)
+        let scene = question.scene;
+        let amounts = form.iter().filter(|own| matches!(own.kind, Kind::Amount(_) | Kind::Firm(_)));
+        let gained: Vec<f64> = amounts
+            .map(|own| (self.fit.machine.get(own.parameter) - scene.machine.get(own.parameter)) / own.unit(scene))
+            .collect();
+        let more: f64 = gained.iter().filter(|gained| **gained > 0.0).sum();
+        let less: f64 = gained.iter().filter(|gained| **gained < 0.0).map(|gained| -gained).sum();
+        scene.holds(form) && more.min(less) > TRADES_FROM * more.max(less)
     }
 
     /// Whether it has used up the tolerance of an amount of a plain effect, or what is left of it, or within how much an amount that may have changed is
