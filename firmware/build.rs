@@ -14,6 +14,9 @@ fn main() {
     let file = env::var_os(VARIABLE).map_or_else(|| NAME.into(), PathBuf::from);
     println!("cargo:rerun-if-changed={}", file.display());
     if let Err(error) = fs::copy(&file, folder.join(NAME)) {
-        println!("cargo:error={}: cannot be taken in: {error}; expected what `host-sim export` writes", file.display());
+        println!(
+            "cargo::error={}: cannot be taken in: {error}; expected what `host-sim export` writes",
+            file.display()
+        );
     }
 }

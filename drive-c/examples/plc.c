@@ -58,8 +58,10 @@ void drive_model_body(drive_model_t *block);
 void drive_model_body(drive_model_t *block)
 {
     const double ticks = ((double)block->cycle_s / DRIVE_TICK_S) + 0.5;
-    const bool fits = (ticks >= 1.0) && (ticks < 1000.0);
-    const uint32_t whole = fits ? (uint32_t)ticks : 0U;
+    const uint32_t whole = ((ticks >= 1.0) && (ticks < 1000.0)) ? (uint32_t)ticks : 0U;
+    /* A cycle is a whole number of ticks, to a hundredth of one. */
+    const double rest_of_tick = ticks - 0.5 - (double)whole;
+    const bool fits = (whole > 0U) && (rest_of_tick > -0.01) && (rest_of_tick < 0.01);
 
     block->valid = block->enable && fits && (drive_fingerprint() == DRIVE_FINGERPRINT);
     if (block->valid && !block->was_enabled)

@@ -18,7 +18,8 @@ static uint32_t wait_for_tick(uint32_t tick)
 /* On a board: the command that the valve is given. Here: 3 V for the first half of a second, then 0 V. */
 static int32_t command_q28(uint32_t tick)
 {
-    return (tick < 500U) ? ((3 * (ONE_Q28 / 10))) : 0;
+    const double volts = ((double)tick * DRIVE_TICK_S < 0.5) ? 3.0 : 0.0;
+    return (int32_t)((volts / DRIVE_COMMAND_BASE_V * ONE_Q28) + 0.5);
 }
 
 /* On a board: an output, a display, a bus. */
@@ -26,7 +27,7 @@ static void put_out(uint32_t tick, const drive_reading_t *reading)
 {
     const double position_mm = ((double)reading->position_q56 / 72057594037927936.0) * DRIVE_POSITION_BASE_M * 1e3;
     const double pressure_a_bar = ((double)reading->pressure_a_q28 / ONE_Q28) * DRIVE_PRESSURE_BASE_PA / 1e5;
-    (void)printf("%4" PRIu32 " ms  %7.3f mm  A %5.1f bar\n", tick, position_mm, pressure_a_bar);
+    (void)printf("%4" PRIu32 " ticks  %7.3f mm  A %5.1f bar\n", tick, position_mm, pressure_a_bar);
 }
 
 int main(void)

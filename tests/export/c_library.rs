@@ -91,16 +91,9 @@ impl Exported {
 
     /// The static library for a target, or for the host.
     fn library(&self, target: Option<&str>) -> PathBuf {
-        let test = std::env::current_exe().unwrap();
-        let built = test.ancestors().nth(3).unwrap().join("tmp/c_library");
-        let mut cargo = Command::new(env!("CARGO"));
-        cargo.args(["build", "--quiet", "--release", "--locked", "--package", "drive-c", "--target-dir"]).arg(&built);
-        cargo
-            .args(target.iter().flat_map(|target| ["--target", *target]))
-            .env("DRIVE", self.folder.path().join("drive.rs"));
-        assert_well(&cargo.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).output().unwrap());
+        assert_well(&build(&self.folder.path().join("drive.rs"), target));
         let library = self.folder.path().join("libdrive.a");
-        std::fs::copy(built.join(target.unwrap_or("")).join("release/libdrive.a"), &library).unwrap();
+        std::fs::copy(built().join(target.unwrap_or("")).join("release/libdrive.a"), &library).unwrap();
         library
     }
 
@@ -116,6 +109,27 @@ impl Exported {
 
 fn pressures() -> [PerUnit; 2] {
     [0.3, 0.5].map(PerUnit::saturated)
+}
+
+/// Where libraries are built.
+fn built() -> PathBuf {
+    std::env::current_exe().unwrap().ancestors().nth(3).unwrap().join("tmp/c_library")
+}
+
+/// Builds the library of an exported drive for a target, or for the host.
+fn build(drive: &Path, target: Option<&str>) -> Output {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["build", "--quiet", "--release", "--locked", "--package", "drive-c", "--target-dir"]).arg(built());
+    cargo.args(target.iter().flat_map(|target| ["--target", *target])).env("DRIVE", drive);
+    cargo.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).output().unwrap()
+}
+
+/// The library of another drive is never left in its place.
+#[test]
+fn a_drive_that_cannot_be_read_ends_the_build_with_its_path() {
+    let output = build(Path::new("/nowhere/drive.rs"), None);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && errors.contains("/nowhere/drive.rs: cannot be taken in"), "{errors}");
 }
 
 fn assert_well(output: &Output) {
@@ -134,6 +148,16 @@ fn is_there(program: &str) -> bool {
     let there = Command::new(program).arg("--version").output().is_ok();
     if !there {
         skipped(&format!("there is no {program}"));
+    }
+    there
+}
+
+/// Whether Rust can build for a target; if not, prints that it is skipped.
+fn builds_for(target: &str) -> bool {
+    let folder = Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output().unwrap();
+    let there = Path::new(String::from_utf8_lossy(&folder.stdout).trim()).is_dir();
+    if !there {
+        skipped(&format!("Rust has no {target}; rustup target add {target}"));
     }
     there
 }
@@ -164,7 +188,11 @@ fn a_c_program_on_the_host_reads_what_the_built_drive_reads() {
 
 #[test]
 fn a_c_program_on_the_emulated_target_reads_what_the_built_drive_reads() {
-    if !is_there("arm-none-eabi-gcc") || !is_there("qemu-system-arm") {
+    let targets = ["thumbv6m-none-eabi", "thumbv7m-none-eabi", "thumbv7em-none-eabihf"];
+    if !is_there("arm-none-eabi-gcc")
+        || !is_there("qemu-system-arm")
+        || !targets.iter().all(|target| builds_for(target))
+    {
         return;
     }
     let boards = [
@@ -199,9 +227,7 @@ fn a_c_program_on_the_emulated_target_reads_what_the_built_drive_reads() {
 fn the_library_is_built_for_every_family_of_cortex_m() {
     let exported = exported(&press(), Input::Random);
     for target in ["thumbv6m-none-eabi", "thumbv7m-none-eabi", "thumbv7em-none-eabihf", "thumbv8m.main-none-eabihf"] {
-        let folder = Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output().unwrap();
-        if !Path::new(String::from_utf8_lossy(&folder.stdout).trim()).is_dir() {
-            skipped(&format!("Rust has no {target}; rustup target add {target}"));
+        if !builds_for(target) {
             continue;
         }
         assert!(exported.library(Some(target)).metadata().unwrap().len() > 0);

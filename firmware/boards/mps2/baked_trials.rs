@@ -6,5 +6,5 @@ drives! {
 
 #[allow(dead_code, unreachable_pub, reason = "a binary needs a part of what is for anybody")]
 mod press {
-    include!(concat!(env!("CARGO_MANIFEST_DIR"), "/baked.rs"));
+    include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../baked.rs"));
 }

@@ -4,11 +4,11 @@
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// A file that is compiled in: the variable that names it, its name where that is not set and in the code, what it should be.
+/// A file that is compiled in: the variable that names it, where it is if that is not set (its name is also that in the code), what it should be.
 type Taken = (&'static str, &'static str, &'static str);
 
 const TAKEN: [Taken; 3] = [
-    ("FIRMWARE_BAKED", "baked.rs", "what `host-sim export --bake` writes"),
+    ("FIRMWARE_BAKED", "../../baked.rs", "what `host-sim export --bake` writes"),
     ("FIRMWARE_BAKED_TRIALS", "baked_trials.rs", "a list of baked drives, as in firmware/boards/mps2/baked_trials.rs"),
     ("FIRMWARE_COMMANDS", "commands.rs", "a list of names and commands, as in firmware/boards/mps2/commands.rs"),
 ];
@@ -20,8 +20,8 @@ fn main() {
         println!("cargo:rerun-if-env-changed={variable}");
         let file = env::var_os(variable).map_or_else(|| name.into(), PathBuf::from);
         println!("cargo:rerun-if-changed={}", file.display());
-        if let Err(error) = fs::copy(&file, folder.join(name)) {
-            println!("cargo:error={}: cannot be taken in: {error}; expected {expected}", file.display());
+        if let Err(error) = fs::copy(&file, folder.join(Path::new(name).file_name().unwrap_or_default())) {
+            println!("cargo::error={}: cannot be taken in: {error}; expected {expected}", file.display());
         }
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");

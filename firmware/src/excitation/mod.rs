@@ -6,7 +6,7 @@
 //! sine      y = A·g·sin φ                  ω = 2π·f
 //! sweep     y = A·g·sin φ                  ω = 2π·f₀·(f₁/f₀)^(t/T): every octave takes the same time
 //!           A = 1/√(1/A₀² + (ω/v)² + (ω²/a)²)
-//! strokes   y = A·(1 − cos φ)/2 there and back, with a rest at either end; at a quarter, half, three quarters and all of v, short ones slower, within a
+//! strokes   y = A·(1 − cos φ)/2 there and back, with a rest at either end; at a quarter, half, three quarters and all of v, short ones slower, within the acceleration a
 //! ```
 //!
 //! v and a are 80 % of the bounds' velocity and acceleration. The rest is for the window and for rounding: no excitation is refused by the

@@ -38,6 +38,9 @@ pub(super) struct Pair {
     /// What else was named.
     falsely: Vec<String>,
     unchanged: bool,
+    /// Whether the part is said to act otherwise than then.
+    #[serde(default)]
+    otherwise: bool,
 }
 
 impl Pair {
@@ -49,6 +52,11 @@ impl Pair {
     /// Whether it was found then, and nothing is said to have changed or to be new.
     pub(super) fn claims_nothing(&self) -> bool {
         self.then && self.found.is_none() && self.falsely.is_empty()
+    }
+
+    /// Whether its part is said to act otherwise than then.
+    pub(super) fn acts_otherwise(&self) -> bool {
+        self.otherwise
     }
 
     fn has_ratio(&self) -> bool {
@@ -103,6 +111,7 @@ pub(super) fn pair_now(worn: Worn, number: u64) -> Pair {
         found: None,
         falsely: Vec::new(),
         unchanged: false,
+        otherwise: false,
     };
     if !pair.then {
         return pair;
@@ -135,6 +144,7 @@ pub(super) fn pair_now(worn: Worn, number: u64) -> Pair {
     let now = diagnose_since(&file, &training, &held_out, None, &|_| {}).unwrap();
     pair.ratio = ratio;
     pair.unchanged = now.is_unchanged();
+    pair.otherwise = now.otherwise.iter().any(|effect| worn.right().contains(&effect.name));
     for finding in &now.findings {
         match report::wording::most_changed(finding) {
             Some((estimate, before)) => pair.found = Some(estimate.value / before),

@@ -5,11 +5,11 @@
 #![cfg(all(target_arch = "arm", target_os = "none"))]
 #![deny(unsafe_code)]
 
-/// How much is painted, bytes; the boards have more.
+/// How much is painted, bytes.
 const PAINTED: usize = 64 * 1024;
 const PAINT: u32 = 0xa5a5_a5a5;
 
-/// Does some work; returns its result and how far below the caller its stack went, bytes.
+/// Does some work; returns its result and how far below the caller its stack went, bytes. For boards with 64 KiB below the caller's stack that nobody else uses.
 #[inline(never)]
 #[expect(
     unsafe_code,

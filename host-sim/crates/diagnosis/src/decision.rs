@@ -62,14 +62,14 @@ pub(crate) fn decide(
         vetoed.extend(chosen.effects.iter().map(|chosen| chosen.effect));
         return Decision::without(question, selection, vetoed, Some(confirmation));
     }
+    let confirmation = (!held.is_empty()).then_some(confirmation);
     let trades = chosen.effects.iter().filter(|one| chosen.trades(question, one.form));
     let otherwise: Vec<&Hypothesis> = trades.map(|one| one.effect).collect();
     if !otherwise.is_empty() {
-        let without = Decision::without(question, selection, vetoed, Some(confirmation))?;
+        let without = Decision::without(question, selection, vetoed, confirmation)?;
         return Ok(Decision { otherwise, ..without });
     }
     let estimates = estimates(question, selection)?;
-    let confirmation = (!held.is_empty()).then_some(confirmation);
     if is_there_anyway(question, chosen) || makes_up(question, chosen, &estimates) {
         return Decision::without(question, selection, vetoed, confirmation);
     }

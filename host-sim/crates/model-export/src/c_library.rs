@@ -40,7 +40,10 @@ impl Constants {
             "/* Time from one call of drive_step to the next, s. */\n#define DRIVE_TICK_S {}\n",
             constant(bases.tick_s)
         )?;
-        writeln!(out, "/* What 1 is: 2^28 of a word that ends in q28, 2^56 of a position. */")?;
+        writeln!(
+            out,
+            "/* What 1 is: 2^28 of a word that ends in q28, 2^56 of a position; round to the nearest word. */"
+        )?;
         for (name, value) in self.scales(bases) {
             writeln!(out, "#define DRIVE_{name} {}", constant(value))?;
         }
@@ -106,7 +109,7 @@ const HEAD: &str = "/* A drive for C, written by `host-sim export --bake`: chang
  *
  * The functions are in the static library of the crate drive-c, built with the Rust source that the same command writes (docs/export.md).
  * Words are signed fixed point per unit: a value is its word / 2^28 * its base. A value beyond the range of +-8 is held there.
- * No function takes memory, waits or stops; each takes the same time in every call, and may be called from an interrupt.
+ * No function takes memory, waits or stops, and the time of each has a bound. They may be called from an interrupt, but no two at a time with the same state.
  */
 #ifndef DRIVE_H
 #define DRIVE_H

@@ -1,6 +1,6 @@
 //! An image of a baked drive alone: all that a controller needs to run the model beside its inputs and outputs.
 //!
-//! It has the drive of `FIRMWARE_BAKED`, or of `firmware/boards/mps2/baked.rs`, and is not to be run: its command never comes.
+//! It has the drive of `FIRMWARE_BAKED`, or of `firmware/baked.rs`, and is not to be run: its command never comes.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]

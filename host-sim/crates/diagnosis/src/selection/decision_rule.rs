@@ -191,8 +191,8 @@ pub(crate) const SHAPES_A_PLAY_BELOW: f64 = 1.0 / 3.0;
 /// normal one. Source: Wilson and Hilferty 1931.
 pub(crate) const PULLED_TOO_FAR_QUANTILE: f64 = 3.09;
 
-/// Share of what is more by one amount of an effect that may have changed, from which what is less by another, each in its usual size, is a trade and no
-/// change. Source: chosen.
+/// What the amounts of an effect that may have changed have lost together over what they have gained, or the other way round where they have lost more,
+/// each in its usual size, from which this is a trade and no change. Source: chosen.
 pub(crate) const TRADES_FROM: f64 = 0.25;
 
 // Pressures that were read by absolute sensors, which is asked before the search.

@@ -116,6 +116,7 @@ fn doubtful(diagnosis: &Diagnosis) -> Markup {
         @for shown in wording::structure_shown(diagnosis) { p class="fact" { "Structure: " (shown) @if !shown.ends_with('?') { "." } } }
         @for doubt in &diagnosis.doubts { p class="fact" { "Doubt: " (wording::doubt(doubt)) "." } }
         @if let Some(oil) = &diagnosis.other_oil { p class="fact" { "Oil: " (wording::other_oil(oil)) "." } }
+        @for effect in &diagnosis.otherwise { p class="fact" { "Acts otherwise than then: " (effect.name) ". " (wording::TRADED) "." } }
         @if !is_structure_wrong(diagnosis) {
             @for far in wording::far_values(&diagnosis.far_values()) { p class="fact" { "Far value: " (far) "." } }
             @if let Some(moving) = &diagnosis.unsettled { p class="fact" { "The refit did not converge: " (wording::still_moving(moving)) "." } }

@@ -161,8 +161,9 @@ fn doubtful(diagnosis: &Diagnosis) -> String {
     for effect in &diagnosis.otherwise {
         let _ = writeln!(
             text,
-            "otherwise  {}: by one of its values there is less of it than then and by another more; recordings over the whole range of then would tell",
-            effect.name
+            "otherwise  {}: {}; recordings over the whole range of then would tell",
+            effect.name,
+            wording::TRADED
         );
     }
     if is_structure_wrong(diagnosis) {

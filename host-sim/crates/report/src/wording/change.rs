@@ -58,6 +58,10 @@ fn whose(effect: &Hypothesis, parameter: Parameter) -> String {
     }
 }
 
+/// What is seen of an effect that acts otherwise than then.
+pub const TRADED: &str =
+    "one of its parameters fell and another rose, which the same drive at other flows or speeds does too";
+
 /// The amount of a changed effect that has changed most surely, by its standard deviation, with what it was. Amounts without a standard deviation come after
 /// those that have one, by their ratio.
 #[must_use]
@@ -96,9 +100,7 @@ pub fn unchanged(diagnosis: &Diagnosis, follows: &str) -> String {
     }
     if !diagnosis.otherwise.is_empty() {
         let otherwise = names(&diagnosis.otherwise);
-        return format!(
-            "it stays open whether {otherwise} has changed: by one of its values there is less of it and by another more, as where the same drive is driven otherwise; {model}"
-        );
+        return format!("it stays open whether {otherwise} has changed: {TRADED}; {model}");
     }
     if let Some(first) = far.first() {
         let others = match far.len() {

@@ -16,7 +16,7 @@ mod tolerance;
 mod unfinished;
 mod unit;
 
-pub use change::{change, doubt_of_then, found, most_changed, other_oil, unchanged};
+pub use change::{TRADED, change, doubt_of_then, found, most_changed, other_oil, unchanged};
 pub use comparison::{obstacle, unjudged};
 pub use doubt::doubt;
 pub(crate) use far_value::moved;

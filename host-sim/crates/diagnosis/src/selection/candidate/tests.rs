@@ -160,3 +160,27 @@ fn a_base_near_its_noise_makes_up_for_a_change_by_what_is_left_of_the_amount() {
     // Far off, the misfit itself has to go.
     assert_eq!(made_up(3.0 * THEN), (true, false));
 }
+
+#[test]
+fn less_by_one_amount_and_more_by_another_is_a_trade_unless_one_of_them_is_next_to_nothing() {
+    // Both amounts of a form with these two, then and now, in their usual sizes.
+    let trades = |name: &str, own: [Parameter; 2], then: [f64; 2], now: [f64; 2]| {
+        let effect = *CATALOGUE.iter().find(|effect| effect.name == name).unwrap();
+        let amount = |form: Form, own| form.iter().find(|it: &&EffectParameter| it.parameter == own);
+        let has_both = |form: &&Form| own.iter().all(|own| amount(form, *own).is_some());
+        let form = effect.forms.iter().find(has_both).unwrap();
+        let plain = press(&[]);
+        let units = own.map(|own| amount(form, own).unwrap().unit(&scene(&plain, &[])));
+        let with = |shares: [f64; 2]| plain.with(&[(own[0], shares[0] * units[0]), (own[1], shares[1] * units[1])]);
+        let machine = with(then);
+        let (held, changeable): ([&Hypothesis; 1], Vec<&EffectParameter>) = ([effect], form.iter().collect());
+        let scene = Scene { held: &held, changeable: &changeable, ..scene(&machine, &[]) };
+        let question = Question { scene: &scene, base_parameters: &[], hypotheses: &held, training: &[] };
+        accepted_alone(name, &scene, &[], &with(now)).trades(&question, form)
+    };
+    let returned = [Parameter::ReturnResistance, Parameter::ReturnLaminar];
+    assert!(trades("tank-back-pressure", returned, [0.1, 1.0], [0.9, 0.4]));
+    assert!(!trades("tank-back-pressure", returned, [1.0, 0.5], [2.3, 1.2]));
+    let leaks = [Parameter::ExternalLeakageA, Parameter::ExternalLeakageB];
+    assert!(!trades("external-leakage", leaks, [1.0, 0.002], [2.4, 0.0017]));
+}
