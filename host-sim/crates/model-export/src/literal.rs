@@ -1,7 +1,7 @@
 //! Coefficients as a Rust literal: a value that `serde` can serialise becomes the expression that makes it.
 //!
-//! A word of the crate `fixed`, which serialises as a struct of `bits`, becomes a call of its `from_bits`, so that every number type of the core
-//! can be written, to the last bit.
+//! A word of the crate `fixed`, which serialises as a struct of `bits`, becomes a call of its `from_bits`, a word in single precision the shortest decimal number
+//! that only it is nearest to, in a call of its `new`: so every number type of the core is written to the last bit.
 
 use std::collections::BTreeSet;
 use std::fmt::{self, Debug, Display, Write};
@@ -224,7 +224,9 @@ impl<'a> Serializer for &'a mut Literal {
     }
     fn serialize_newtype_struct<T: Serialize + ?Sized>(self, name: &'static str, value: &T) -> Result<(), Unwritable> {
         let name = self.named(name);
-        self.put(format_args!("{name}("))?;
+        // Its range is its own affair, so its word is private.
+        let constructor = if name == "Single" { "::new" } else { "" };
+        self.put(format_args!("{name}{constructor}("))?;
         value.serialize(&mut *self)?;
         self.put(")")
     }
@@ -290,6 +292,7 @@ impl fmt::Debug for Parts<'_> {
 #[cfg(test)]
 mod tests {
     use fixed::types::{I4F28, U16F16};
+    use model_core::number::{PerUnit, Single};
 
     use super::*;
 
@@ -325,6 +328,19 @@ mod tests {
                         most: [f32::INFINITY, f32::NEG_INFINITY, 1e-7],\n}";
         assert_eq!(literal.expression, expected);
         assert_eq!(literal.types.into_iter().collect::<Vec<_>>(), ["FixedI32", "Kind", "Part", "Whole"]);
+    }
+
+    #[test]
+    fn words_of_both_number_types_are_calls_that_a_constant_may_make() {
+        // A word of the smallest magnitudes, too, and the sign of nothing.
+        const READ: [Single; 3] = [Single::new(-0.1), Single::new(3.918315e-39), Single::new(-0.0)];
+        let literal = Literal::of(&[Some(PerUnit::from_bits(-3))]).unwrap();
+        assert_eq!(literal.expression, "[Some(PerUnit(FixedI32::from_bits(-3)))]");
+        let words = [Single::new(-0.1), Single::new(f32::MIN_POSITIVE / 3.0), -Single::new(0.0)];
+        let literal = Literal::of(&words).unwrap();
+        assert_eq!(literal.expression, "[Single::new(-0.1), Single::new(3.918315e-39), Single::new(-0.0)]");
+        assert_eq!(literal.types.into_iter().collect::<Vec<_>>(), ["Single"]);
+        assert_eq!(READ.map(Single::to_bits), words.map(Single::to_bits));
     }
 
     #[test]
