@@ -20,7 +20,7 @@ pub use crate::mechanics::lugre::{Bend, Bristles};
 pub use crate::mechanics::position_load::{PositionLoad, Signed};
 pub use crate::mechanics::{MechanicalEffects, Mechanics, Resistance, Row};
 pub use crate::number::relaxation::Relaxation;
-pub use crate::number::{PerUnit, Single};
+pub use crate::number::{PerUnit, Single, SinglePair};
 pub use crate::oil::{Thinning, Viscosity, Warming};
 pub use crate::ports::{ChamberState, Flows, Overlap};
 pub use crate::sensing::Sensors;
