@@ -348,7 +348,7 @@ mod tests {
     #[test]
     fn words_of_both_number_types_are_calls_that_a_constant_may_make() {
         // A word of the smallest magnitudes, too, and the sign of nothing.
-        const READ: [Single; 3] = [Single::new(-0.1), Single::new(3.918315e-39), Single::new(-0.0)];
+        const READ: [Single; 3] = [Single::new(-0.1), Single::new(3.918_315e-39), Single::new(-0.0)];
         let literal = Literal::of(&[Some(PerUnit::from_bits(-3))]).unwrap();
         assert_eq!(literal.expression, "[Some(PerUnit(FixedI32::from_bits(-3)))]");
         let words = [Single::new(-0.1), Single::new(f32::MIN_POSITIVE / 3.0), -Single::new(0.0)];
