@@ -30,7 +30,7 @@ pub const VALUES: &[(Parameter, f64)] = &[
     (Parameter::ViscousFriction, 100000.0), // cylinder.viscous_friction_n_s_per_m
 ];
 
-/// CRC-32 of the coefficients, which the header of the C library has too.
+/// CRC-32 of the coefficients, which tells them from those of any other drive.
 pub const FINGERPRINT: u32 = 0xd21f_b77c;
 /// Bytes of a state with its delay lines.
 pub const STATE_BYTES: usize = 272;
@@ -40,7 +40,7 @@ pub const STATE_BYTES: usize = 272;
 pub struct Exported;
 
 #[rustfmt::skip]
-#[allow(clippy::unreadable_literal, reason = "words of fixed point")]
+#[allow(clippy::unreadable_literal, reason = "every digit of a coefficient counts")]
 impl model_core::drive::Baked for Exported {
     type Number = model_core::number::PerUnit;
     const DRIVE: &'static model_core::drive::Drive<Self::Number> = {

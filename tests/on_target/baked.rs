@@ -5,9 +5,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use model_core::machine::{Machine, Tick};
-use model_core::number::PerUnit;
-use model_export::rust::Constants;
-use mps2::trial::{Case, Input, cases};
+use model_core::number::{PerUnit, Single};
+use model_export::rust::{BakedNumber, Constants};
+use mps2::trial::{Case, Input, Traced, cases};
 use system_tests::emulator::{Processor, run_on_host};
 use tempfile::TempDir;
 
@@ -25,13 +25,18 @@ impl Exports {
         Self { folder, list: String::new(), files: String::new(), count: 0 }
     }
 
-    /// Adds a drive with the inputs that it is tried under; returns its file.
-    pub(crate) fn add(&mut self, name: &str, machine: &Machine<f64>, inputs: &[(Input, String)]) -> PathBuf {
+    /// Adds a drive in a number type with the inputs that it is tried under; returns its file.
+    pub(crate) fn add<N: BakedNumber>(
+        &mut self,
+        name: &str,
+        machine: &Machine<f64>,
+        inputs: &[(Input, String)],
+    ) -> PathBuf {
         let number = self.count;
         self.count += 1;
         let file = self.folder.path().join(format!("drive_{number}.rs"));
         let constants = Constants::of(name, machine, Tick::OneMillisecond).unwrap();
-        std::fs::write(&file, constants.baked().unwrap()).unwrap();
+        std::fs::write(&file, constants.baked::<N>().unwrap()).unwrap();
         write!(self.list, "    drive_{number} {name:?}:").unwrap();
         for (input, case) in inputs {
             write!(self.list, " ({input:?}, {case:?})").unwrap();
@@ -74,14 +79,15 @@ fn trials() -> Vec<(Machine<f64>, Vec<Case>)> {
     trials.into_iter().map(|(_, machine, cases)| (machine, cases)).collect()
 }
 
-/// Compares the traces of a binary that takes in the list with those of the drives that are built.
-fn assert_traces(traced: impl Fn(&Path) -> String) {
+/// Compares the traces of a binary that takes in the list with those of the drives that are built, in a number type.
+fn assert_traces<N: Traced + BakedNumber>(traced: impl Fn(&Path) -> String) {
     let (mut exports, mut built) = (Exports::new(), String::new());
     for (machine, cases) in trials() {
-        let inputs: Vec<(Input, String)> = cases.iter().map(|case| (case.input(), case.to_string())).collect();
-        exports.add(&inputs[0].1, &machine, &inputs);
+        let inputs: Vec<(Input, String)> =
+            cases.iter().map(|case| (case.input(), format!("{}{case}", N::PREFIX))).collect();
+        exports.add::<N>(&inputs[0].1, &machine, &inputs);
         for case in &cases {
-            case.trace::<PerUnit>(&mut built).unwrap_or_else(|error| panic!("{case}: {error:?}"));
+            case.trace::<N>(&mut built).unwrap_or_else(|error| panic!("{case}: {error:?}"));
         }
     }
     let baked = traced(&exports.list());
@@ -94,14 +100,21 @@ fn assert_traces(traced: impl Fn(&Path) -> String) {
 
 #[test]
 fn a_baked_drive_computes_what_the_built_one_does_on_the_host() {
-    assert_traces(|list| run_on_host(&[("FIRMWARE_BAKED_TRIALS", list)], "baked_trials"));
+    let traced = |list: &Path| run_on_host(&[("FIRMWARE_BAKED_TRIALS", list)], "baked_trials");
+    assert_traces::<PerUnit>(traced);
+    assert_traces::<Single>(traced);
 }
 
 #[test]
 fn a_baked_drive_computes_what_the_built_one_does_on_the_target() {
     for processor in Processor::ALL {
         if processor.can_be_emulated() {
-            assert_traces(|list| processor.run_with(&[("FIRMWARE_BAKED_TRIALS", list)], "baked_trials"));
+            let traced = |list: &Path| processor.run_with(&[("FIRMWARE_BAKED_TRIALS", list)], "baked_trials");
+            assert_traces::<PerUnit>(traced);
+            // Single precision where there is an FPU.
+            if processor == Processor::M4F {
+                assert_traces::<Single>(traced);
+            }
         }
     }
 }
@@ -110,7 +123,8 @@ fn a_baked_drive_computes_what_the_built_one_does_on_the_target() {
 fn the_firmwares_own_baked_drive_is_the_export_of_the_preset() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let preset = machine_file::read(&root.join("presets/press-63-40.toml")).unwrap();
-    let written = Constants::of(&preset.name, &preset.machine, Tick::OneMillisecond).unwrap().baked().unwrap();
+    let written =
+        Constants::of(&preset.name, &preset.machine, Tick::OneMillisecond).unwrap().baked::<PerUnit>().unwrap();
     let kept = root.join("firmware/baked.rs");
     if std::env::var_os("RENEW").is_some() {
         std::fs::write(&kept, &written).unwrap();

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 
 use addr2line::Loader;
 use model_core::machine::Machine;
+use model_core::number::{PerUnit, Single};
+use model_export::rust::BakedNumber;
 use mps2::trial::{SETS, Set, mass, press, pump};
 use object::{Object, ObjectSection};
 use system_tests::emulator::Processor;
@@ -68,9 +70,9 @@ fn functions(image: &[u8]) -> BTreeSet<String> {
 
 /// Asserts that the image of a baked drive holds no part but those that these effects need. Of what is on, folded constants may leave no function with a
 /// name; what should not be there was not folded, and shows as it does in the image of any drive.
-fn assert_parts(name: &str, machine: &Machine<f64>, on: &[&str], level: &str) {
+fn assert_parts<N: BakedNumber>(name: &str, machine: &Machine<f64>, on: &[&str], level: &str) {
     let mut exports = Exports::new();
-    let file = exports.add(name, machine, &[]);
+    let file = exports.add::<N>(name, machine, &[]);
     let image = Processor::M4F.described(&[("FIRMWARE_BAKED", &file)], "baked_step", level);
     let functions = functions(&image);
     assert!(functions.iter().any(|function| function.contains("main")), "{functions:#?}");
@@ -99,12 +101,16 @@ fn an_image_of_a_baked_drive_holds_the_code_of_its_own_effects_alone() {
         return;
     }
     assert_every_part_shows();
-    assert_parts("pump", &pump(), &["pump"], "3");
-    assert_parts("mass", &mass(), &[], "3");
+    assert_parts::<PerUnit>("pump", &pump(), &["pump"], "3");
+    assert_parts::<PerUnit>("mass", &mass(), &[], "3");
     for level in ["3", "2", "\"s\""] {
-        assert_parts("paper", &press(), &["valve"], level);
+        assert_parts::<PerUnit>("paper", &press(), &["valve"], level);
         for set in SETS {
-            assert_parts(set.name, &set.on(&press()), &names(set, "valve"), level);
+            assert_parts::<PerUnit>(set.name, &set.on(&press()), &names(set, "valve"), level);
         }
+    }
+    assert_parts::<Single>("paper, f32", &press(), &["valve"], "3");
+    for set in SETS {
+        assert_parts::<Single>(set.name, &set.on(&press()), &names(set, "valve"), "3");
     }
 }

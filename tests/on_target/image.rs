@@ -1,8 +1,11 @@
 //! Images that contain only the model's step, or the whole control period: their flash, and a check that nothing in them can panic.
 
+use model_core::number::Single;
+use mps2::trial::{every_effect, press};
 use object::{Object, ObjectSymbol, SymbolKind};
-
 use system_tests::emulator::Processor;
+
+use crate::baked::Exports;
 
 /// Images that contain only a step: of any drive, of the paper's model by itself, and of a baked drive.
 const STEPS: [&str; 5] = ["step", "paper_step", "baked_step", SINGLE_STEPS[0], SINGLE_STEPS[1]];
@@ -12,8 +15,11 @@ const SINGLE_STEPS: [&str; 2] = ["step_single", "paper_step_single"];
 
 /// Functions of an image, by their mangled names.
 fn functions(processor: Processor, binary: &str) -> Vec<String> {
-    let image = processor.image(binary);
-    let image = object::File::parse(&*image).expect("cargo links ELF for this target");
+    functions_of(&processor.image(binary))
+}
+
+fn functions_of(image: &[u8]) -> Vec<String> {
+    let image = object::File::parse(image).expect("cargo links ELF for this target");
     let functions = image.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text);
     functions.filter_map(|symbol| symbol.name().ok().map(str::to_owned)).collect()
 }
@@ -64,6 +70,21 @@ fn a_step_in_single_precision_has_nothing_in_double_precision_and_with_an_fpu_no
                 let soft = named(&functions, SOFT_SINGLE);
                 assert_eq!(soft.is_empty(), processor == Processor::M4F, "{processor:?}: {binary}: {soft:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn a_drive_baked_in_single_precision_panics_nowhere_and_has_nothing_in_double_precision_nor_in_software() {
+    let processor = Processor::M4F;
+    if processor.can_be_built_for() {
+        for machine in [press(), every_effect(&press())] {
+            let mut exports = Exports::new();
+            let file = exports.add::<Single>("single", &machine, &[]);
+            let functions = functions_of(&processor.image_with(&[("FIRMWARE_BAKED", &file)], "baked_step"));
+            assert!(functions.iter().any(|name| name == "main"), "there is nothing in it");
+            assert_eq!(panics(&functions), Vec::<&String>::new());
+            assert_eq!(named(&functions, &[DOUBLE, SOFT_SINGLE].concat()), Vec::<&String>::new());
         }
     }
 }

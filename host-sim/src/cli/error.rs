@@ -125,6 +125,18 @@ pub enum CliError {
         /// The argument.
         argument: &'static str,
     },
+    /// An argument that is used for a baked drive only.
+    #[error("{argument}: only a baked drive has it; expected --bake")]
+    OnlyBaked {
+        /// The argument.
+        argument: &'static str,
+    },
+    /// A number type that the library for C does not have.
+    #[error("{argument} f32: the library for C has fixed point alone; expected --out with .rs, or {argument} fixed")]
+    OnlyFixed {
+        /// The argument.
+        argument: &'static str,
+    },
     /// A file that cannot be read.
     #[error("{}: cannot be read: {cause}; expected a readable file", path.display())]
     Unread {
@@ -402,9 +414,10 @@ impl CliError {
             CliError::ExportFormat { path } => text("--out", path.to_str()?),
             CliError::Ending { option, path, .. } => text(option, path.to_str()?),
             CliError::Dash { option } | CliError::NoText { option } => text(option, "-"),
-            CliError::OnlyInFmu { argument } | CliError::OnlyInSource { argument } => {
-                Some((Some(argument), Part::Option))
-            }
+            CliError::OnlyInFmu { argument }
+            | CliError::OnlyInSource { argument }
+            | CliError::OnlyBaked { argument } => Some((Some(argument), Part::Option)),
+            CliError::OnlyFixed { argument } => text(argument, "f32"),
             CliError::Sensor(SensorError::Unknown { name, .. }) => text("--sensors", name),
             CliError::Sensor(SensorError::Noise { text: noise, .. }) => text("--sensors", noise),
             CliError::Effect { argument, .. } => text("--effect", argument),

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use machine_file::MachineFile;
 use model_core::machine::{MachineError, Tick};
+use model_core::number::{PerUnit, Single};
 use model_export::fmu::{self, Contents, Library, Settings};
 use model_export::rust::Constants;
 
@@ -19,6 +20,7 @@ use super::target::{check_not_read, check_target, write, write_or_print};
 #[command(after_help = "Examples:
   host-sim export --machine M.toml --out params.rs
   host-sim export --machine M.toml --bake --out params.rs
+  host-sim export --machine M.toml --bake --number f32 --out params.rs
   host-sim export --machine M.toml --out params.h
   host-sim export --machine M.toml --bake --out drive.h
   host-sim export --machine M.toml --out drive.fmu
@@ -45,12 +47,25 @@ pub struct Arguments {
     /// Rust: with the coefficients as constants; C99: the header of the library of such a drive
     #[arg(long)]
     bake: bool,
+    /// Number type of a baked drive: fixed point, the default, or f32 for a controller with an FPU, in Rust alone
+    #[arg(long, value_enum)]
+    number: Option<NumberArgument>,
     /// Number type of an FMU; fixed is what the controller computes, and the default
     #[arg(long, value_enum)]
     arithmetic: Option<ArithmeticArgument>,
     /// Shared library to put into an FMU, in place of the one beside this program
     #[arg(long, value_name = "library")]
     library: Option<PathBuf>,
+}
+
+/// The number type of a baked drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum NumberArgument {
+    /// Fixed point, for any controller
+    #[default]
+    Fixed,
+    /// Single precision, for a controller with an FPU
+    F32,
 }
 
 /// What is written.
@@ -87,6 +102,12 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if arguments.bake && format == Format::Fmu {
         return Err(CliError::OnlyInSource { argument: "--bake" });
     }
+    if arguments.number.is_some() && !arguments.bake {
+        return Err(CliError::OnlyBaked { argument: "--number" });
+    }
+    if arguments.number == Some(NumberArgument::F32) && format == Format::C99 {
+        return Err(CliError::OnlyFixed { argument: "--number" });
+    }
     let to_console = is_standard_output(&arguments.out);
     if to_console && format == Format::Fmu {
         return Err(CliError::NoText { option: "--out" });
@@ -112,7 +133,12 @@ fn constants(arguments: &Arguments, file: &MachineFile) -> Result<Constants, Cli
 }
 
 fn baked(arguments: &Arguments, file: &MachineFile) -> Result<String, CliError> {
-    constants(arguments, file)?.baked().map_err(|cause| refused(arguments, cause))
+    let constants = constants(arguments, file)?;
+    let text = match arguments.number.unwrap_or_default() {
+        NumberArgument::Fixed => constants.baked::<PerUnit>(),
+        NumberArgument::F32 => constants.baked::<Single>(),
+    };
+    text.map_err(|cause| refused(arguments, cause))
 }
 
 fn c_header(arguments: &Arguments, file: &MachineFile) -> Result<String, CliError> {

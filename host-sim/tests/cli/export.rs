@@ -61,6 +61,48 @@ fn a_baked_drive_has_its_coefficients_as_words_and_its_values_beside_them() {
 }
 
 #[test]
+fn a_drive_is_baked_in_single_precision_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = example("machine.toml");
+    let baked = |number: &[&str]| {
+        let bake = ["export", "--machine", &machine, "--bake", "--format", "rust", "--out", "-"];
+        done(folder.path(), &[&bake, number].concat())
+    };
+    let [fixed, single] = [baked(&[]), baked(&["--number", "f32"])];
+    assert_eq!(baked(&["--number", "fixed"]), fixed);
+    assert!(single.contains("    type Number = model_core::number::Single;\n"), "{single}");
+    assert!(!single.contains("from_bits"), "{single}");
+    // 0.0559/V times 10 V, the word in single precision nearest to it, in the fewest digits.
+    assert!(single.contains("gain: 0.559,"), "{single}");
+    let line = |text: &str, start: &str| text.lines().find(|line| line.starts_with(start)).unwrap().to_owned();
+    let [fixed, single] = [fixed, single].map(|text| {
+        ["pub const FINGERPRINT: u32 = ", "pub const VALUES: ", "pub const STATE_BYTES: "]
+            .map(|start| line(&text, start))
+    });
+    assert_ne!(fixed[0], single[0]);
+    assert_eq!(fixed[1], single[1]);
+}
+
+#[test]
+fn single_precision_is_refused_where_nothing_is_baked_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = example("machine.toml");
+    let only_baked = ("--number: only a baked drive has it", "= expected: --bake");
+    let only_fixed =
+        ("--number f32: the library for C has fixed point alone", "= expected: --out with .rs, or --number fixed");
+    for (more, (said, expected)) in [
+        (&["--out", "params.rs"][..], only_baked),
+        (&["--out", "drive.fmu"], only_baked),
+        (&["--bake", "--out", "drive.h"], only_fixed),
+    ] {
+        let arguments = [&["export", "--machine", &machine, "--number", "f32"], more].concat();
+        let message = refused(folder.path(), &arguments);
+        assert!(message.contains(said) && message.contains(expected), "{message}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}
+
+#[test]
 fn an_fmu_is_not_baked() {
     let folder = tempfile::tempdir().unwrap();
     let machine = example("machine.toml");

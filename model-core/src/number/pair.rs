@@ -15,7 +15,7 @@ const LARGEST: f32 = 128.0;
 /// A position in strokes, or another sum, of a drive in single precision: `high` + `low`, within ±128 and always finite.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(from = "[f32; 2]", into = "[f32; 2]"))]
+#[cfg_attr(feature = "serde", serde(from = "Unchecked", into = "Unchecked"))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SinglePair {
     /// The sum, rounded to nearest. Compared first.
@@ -24,9 +24,29 @@ pub struct SinglePair {
     low: f32,
 }
 
+/// Both words as they are stored, of any value. They are called as what they become: so a baked drive writes them.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "SinglePair")]
+struct Unchecked(f32, f32);
+
+#[cfg(feature = "serde")]
+impl From<Unchecked> for SinglePair {
+    fn from(Unchecked(high, low): Unchecked) -> Self {
+        Self::new(high, low)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<SinglePair> for Unchecked {
+    fn from(SinglePair { high, low }: SinglePair) -> Self {
+        Self(high, low)
+    }
+}
+
 /// `sum` + `part` rounded, and what the rounding left out: exactly where `part` is not larger than `sum`, else to 2⁻²³ of `part`.
 #[inline]
-pub(crate) fn added(sum: f32, part: f32) -> (f32, f32) {
+pub(crate) const fn added(sum: f32, part: f32) -> (f32, f32) {
     let next = sum + part;
     (next, part - (next - sum))
 }
@@ -34,8 +54,10 @@ pub(crate) fn added(sum: f32, part: f32) -> (f32, f32) {
 impl SinglePair {
     /// The pair of both words, held within ±128. NaN becomes 0.
     #[must_use]
-    pub fn new(high: f32, low: f32) -> Self {
-        let known = |word: f32| if word.is_nan() { 0.0 } else { word.clamp(-LARGEST, LARGEST) };
+    pub const fn new(high: f32, low: f32) -> Self {
+        const fn known(word: f32) -> f32 {
+            if word.is_nan() { 0.0 } else { word.clamp(-LARGEST, LARGEST) }
+        }
         let (high, low) = (known(high), known(low));
         Self::held(if high.abs() < low.abs() { added(low, high) } else { added(high, low) })
     }
@@ -79,13 +101,13 @@ impl SinglePair {
     }
 
     #[inline]
-    fn held((high, low): (f32, f32)) -> Self {
+    const fn held((high, low): (f32, f32)) -> Self {
         if high.abs() <= LARGEST { Self { high, low } } else { Self::at_limit(high) }
     }
 
     #[cold]
     #[inline(never)]
-    fn at_limit(high: f32) -> Self {
+    const fn at_limit(high: f32) -> Self {
         Self::exactly(if high < 0.0 { -LARGEST } else { LARGEST })
     }
 }
@@ -149,6 +171,10 @@ mod tests {
             let (one, other) = (SinglePair::of(a), SinglePair::of(a + by));
             prop_assert_eq!(one < other, one.to_f64() < other.to_f64());
             prop_assert!((one.to_f64() - a).abs() <= 2e-15);
+            for pair in [one, other] {
+                let [high, low] = pair.words();
+                prop_assert_eq!(SinglePair::new(high, low).words().map(f32::to_bits), [high, low].map(f32::to_bits));
+            }
         }
 
         #[test]

@@ -32,9 +32,22 @@ use crate::number::{Number, SUM_BITS};
 /// A signal in single precision: per unit, within ±8 where it enters a drive, and always finite.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(from = "f32", into = "f32"))]
+#[cfg_attr(feature = "serde", serde(from = "Unchecked"))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Single(f32);
+
+/// A word that was read, of any value. It is called as what it becomes, since some formats write the name of a type; so does a baked drive.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "Single")]
+struct Unchecked(f32);
+
+#[cfg(feature = "serde")]
+impl From<Unchecked> for Single {
+    fn from(Unchecked(value): Unchecked) -> Self {
+        Self::new(value)
+    }
+}
 
 /// Largest magnitude of a signal.
 const LARGEST: f32 = 8.0;

@@ -6,6 +6,7 @@
 use std::fmt::{self, Write};
 
 use model_core::machine::{Bases, MachineError, Source};
+use model_core::number::PerUnit;
 
 use crate::c99::{constant, quoted};
 use crate::rust::{Coefficients, Constants};
@@ -19,14 +20,14 @@ impl Constants {
     /// # Errors
     /// As [`Constants::baked`].
     pub fn c_header(&self) -> Result<String, MachineError> {
-        let baked = self.coefficients()?;
+        let baked = self.coefficients::<PerUnit>()?;
         let mut text = String::new();
         // Writing to a string cannot fail.
         let _ = self.write_c_header(&baked, &mut text);
         Ok(text)
     }
 
-    fn write_c_header(&self, baked: &Coefficients, out: &mut impl Write) -> fmt::Result {
+    fn write_c_header(&self, baked: &Coefficients<PerUnit>, out: &mut impl Write) -> fmt::Result {
         let bases = baked.drive.bases();
         out.write_str(HEAD)?;
         writeln!(out, "/* What the drive is called, UTF-8. */\n#define DRIVE_NAME {}", quoted(&self.name))?;
@@ -81,7 +82,7 @@ impl Constants {
     }
 
     /// The words of an input, in the order in which the library reads them.
-    fn inputs(&self, baked: &Coefficients) -> Vec<Word> {
+    fn inputs(&self, baked: &Coefficients<PerUnit>) -> Vec<Word> {
         let load = || ("load_q28", "external force on the rod beside the constant load; positive extends".to_owned());
         let mut words = match self.machine.source {
             Source::Valve => vec![("command_q28", "command to the valve; positive extends".to_owned()), load()],

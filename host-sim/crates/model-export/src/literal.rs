@@ -1,7 +1,7 @@
 //! Coefficients as a Rust literal: a value that `serde` can serialise becomes the expression that makes it.
 //!
-//! A word of the crate `fixed`, which serialises as a struct of `bits`, becomes a call of its `from_bits`, so that every number type of the core
-//! can be written, to the last bit.
+//! A word of the crate `fixed`, which serialises as a struct of `bits`, becomes a call of its `from_bits`, a word in single precision the shortest decimal number
+//! that only it is nearest to, in a call of its `new`, and a pair of them likewise: so every number type of the core is written to the last bit.
 
 use std::collections::BTreeSet;
 use std::fmt::{self, Debug, Display, Write};
@@ -146,6 +146,19 @@ impl ser::SerializeTuple for Parts<'_> {
     }
 }
 
+impl ser::SerializeTupleStruct for Parts<'_> {
+    type Ok = ();
+    type Error = Unwritable;
+
+    fn serialize_field<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Unwritable> {
+        self.element(value)
+    }
+
+    fn end(self) -> Result<(), Unwritable> {
+        self.close(false)
+    }
+}
+
 impl ser::SerializeTupleVariant for Parts<'_> {
     type Ok = ();
     type Error = Unwritable;
@@ -177,7 +190,7 @@ impl<'a> Serializer for &'a mut Literal {
     type Error = Unwritable;
     type SerializeSeq = Impossible<(), Unwritable>;
     type SerializeTuple = Parts<'a>;
-    type SerializeTupleStruct = Impossible<(), Unwritable>;
+    type SerializeTupleStruct = Parts<'a>;
     type SerializeTupleVariant = Parts<'a>;
     type SerializeMap = Impossible<(), Unwritable>;
     type SerializeStruct = Fields<'a>;
@@ -224,7 +237,9 @@ impl<'a> Serializer for &'a mut Literal {
     }
     fn serialize_newtype_struct<T: Serialize + ?Sized>(self, name: &'static str, value: &T) -> Result<(), Unwritable> {
         let name = self.named(name);
-        self.put(format_args!("{name}("))?;
+        // Its range is its own affair, so its word is private.
+        let constructor = if name == "Single" { "::new" } else { "" };
+        self.put(format_args!("{name}{constructor}("))?;
         value.serialize(&mut *self)?;
         self.put(")")
     }
@@ -247,8 +262,10 @@ impl<'a> Serializer for &'a mut Literal {
         // The core has arrays and no tuples.
         self.open("[", "]")
     }
-    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Self::SerializeTupleStruct, Unwritable> {
-        unwritable("a struct without names")
+    fn serialize_tuple_struct(self, name: &'static str, _: usize) -> Result<Parts<'a>, Unwritable> {
+        // The only one, a pair of words, keeps them to itself as well.
+        let name = self.named(name);
+        self.open(format_args!("{name}::new("), ")")
     }
     fn serialize_tuple_variant(
         self,
@@ -290,6 +307,7 @@ impl fmt::Debug for Parts<'_> {
 #[cfg(test)]
 mod tests {
     use fixed::types::{I4F28, U16F16};
+    use model_core::number::{Number, PerUnit, Single};
 
     use super::*;
 
@@ -325,6 +343,21 @@ mod tests {
                         most: [f32::INFINITY, f32::NEG_INFINITY, 1e-7],\n}";
         assert_eq!(literal.expression, expected);
         assert_eq!(literal.types.into_iter().collect::<Vec<_>>(), ["FixedI32", "Kind", "Part", "Whole"]);
+    }
+
+    #[test]
+    fn words_of_both_number_types_are_calls_that_a_constant_may_make() {
+        // A word of the smallest magnitudes, too, and the sign of nothing.
+        const READ: [Single; 3] = [Single::new(-0.1), Single::new(3.918_315e-39), Single::new(-0.0)];
+        let literal = Literal::of(&[Some(PerUnit::from_bits(-3))]).unwrap();
+        assert_eq!(literal.expression, "[Some(PerUnit(FixedI32::from_bits(-3)))]");
+        let words = [Single::new(-0.1), Single::new(f32::MIN_POSITIVE / 3.0), -Single::new(0.0)];
+        let literal = Literal::of(&words).unwrap();
+        assert_eq!(literal.expression, "[Single::new(-0.1), Single::new(3.918315e-39), Single::new(-0.0)]");
+        assert_eq!(literal.types.into_iter().collect::<Vec<_>>(), ["Single"]);
+        let literal = Literal::of(&Single::travel(0.4)).unwrap();
+        assert_eq!(literal.expression, "SinglePair::new(0.4, -5.9604646e-9)");
+        assert_eq!(READ.map(Single::to_bits), words.map(Single::to_bits));
     }
 
     #[test]

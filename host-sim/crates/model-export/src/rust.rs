@@ -7,7 +7,7 @@ use std::fmt::{self, Write};
 
 use model_core::drive::{Drive, DriveState};
 use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
-use model_core::number::PerUnit;
+use model_core::number::{PerUnit, Scalar, Single, Written};
 use simulation::DELAY_LINE;
 
 use crate::literal::Literal;
@@ -23,6 +23,20 @@ pub struct Constants {
     pub tick: Tick,
     /// Ticks of the shortest delay line that holds the drive's transport delays: a power of two.
     pub delay_line: usize,
+}
+
+/// A number type in which a drive can be baked.
+pub trait BakedNumber: Scalar<Real = f64> + Written {
+    /// Its path.
+    const PATH: &'static str;
+}
+
+impl BakedNumber for PerUnit {
+    const PATH: &'static str = "model_core::number::PerUnit";
+}
+
+impl BakedNumber for Single {
+    const PATH: &'static str = "model_core::number::Single";
 }
 
 type Builder = fn(&Machine<f64>, Tick) -> Result<Drive<PerUnit>, MachineError>;
@@ -57,12 +71,12 @@ impl Constants {
         text
     }
 
-    /// Rust source with the coefficients: what [`Constants::rust`] gives, and a type that has them as constants.
+    /// Rust source with the coefficients of a number type: what [`Constants::rust`] gives, and a type that has them as constants.
     ///
     /// # Errors
-    /// The controller's arithmetic cannot represent the drive; [`Constants::of`] refuses it too.
-    pub fn baked(&self) -> Result<String, MachineError> {
-        let baked = self.coefficients()?;
+    /// The number type cannot represent the drive; [`Constants::of`] refuses what fixed point cannot.
+    pub fn baked<N: BakedNumber>(&self) -> Result<String, MachineError> {
+        let baked = self.coefficients::<N>()?;
         let mut text = self.rust();
         // Writing to a string cannot fail.
         let _ = baked.write(&mut text);
@@ -70,15 +84,15 @@ impl Constants {
     }
 
     /// The coefficients.
-    pub(crate) fn coefficients(&self) -> Result<Coefficients, MachineError> {
-        let drive = Drive::<PerUnit>::new::<DELAY_LINE>(&self.machine, self.tick)?;
+    pub(crate) fn coefficients<N: BakedNumber>(&self) -> Result<Coefficients<N>, MachineError> {
+        let drive = Drive::<N>::new::<DELAY_LINE>(&self.machine, self.tick)?;
         let literal = Literal::of(&drive).expect("coefficients are numbers, choices and groups of them");
         let mut crc = flate2::Crc::new();
         crc.update(literal.expression.as_bytes());
         crc.update(&(self.delay_line as u64).to_le_bytes());
         let shortest = SHORTER[0].0;
-        let lines = 2 * size_of::<PerUnit>() * (self.delay_line - shortest);
-        let state_bytes = size_of::<DriveState<PerUnit, { SHORTER[0].0 }>>() + lines;
+        let lines = 2 * size_of::<N>() * (self.delay_line - shortest);
+        let state_bytes = size_of::<DriveState<N, { SHORTER[0].0 }>>() + lines;
         Ok(Coefficients { drive, literal, fingerprint: crc.sum(), state_bytes })
     }
 
@@ -122,21 +136,21 @@ impl Constants {
 }
 
 /// A drive's coefficients, and what tells them from those of another.
-pub(crate) struct Coefficients {
-    pub(crate) drive: Drive<PerUnit>,
+pub(crate) struct Coefficients<N: BakedNumber> {
+    pub(crate) drive: Drive<N>,
     literal: Literal,
     pub(crate) fingerprint: u32,
     /// Of a state with its delay lines.
     pub(crate) state_bytes: usize,
 }
 
-impl Coefficients {
+impl<N: BakedNumber> Coefficients<N> {
     /// The type that has them as constants.
     fn write(&self, out: &mut impl Write) -> fmt::Result {
         let Literal { expression, types, .. } = &self.literal;
         let types = types.iter().copied().collect::<Vec<_>>().join(", ");
         let expression = expression.replace('\n', "\n        ");
-        writeln!(out, "\n/// CRC-32 of the coefficients, which the header of the C library has too.")?;
+        writeln!(out, "\n/// CRC-32 of the coefficients, which tells them from those of any other drive.")?;
         let [upper, lower] = [self.fingerprint >> 16, self.fingerprint & 0xffff];
         writeln!(out, "pub const FINGERPRINT: u32 = 0x{upper:04x}_{lower:04x};")?;
         writeln!(
@@ -147,9 +161,9 @@ impl Coefficients {
         writeln!(out, "\n/// The drive with its coefficients as constants: see `model_core::drive::Baked`.")?;
         writeln!(out, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub struct Exported;\n")?;
         writeln!(out, "#[rustfmt::skip]")?;
-        writeln!(out, "#[allow(clippy::unreadable_literal, reason = \"words of fixed point\")]")?;
+        writeln!(out, "#[allow(clippy::unreadable_literal, reason = \"every digit of a coefficient counts\")]")?;
         writeln!(out, "impl model_core::drive::Baked for Exported {{")?;
-        writeln!(out, "    type Number = model_core::number::PerUnit;")?;
+        writeln!(out, "    type Number = {};", N::PATH)?;
         writeln!(out, "    const DRIVE: &'static model_core::drive::Drive<Self::Number> = {{")?;
         writeln!(out, "        use model_core::literal::{{{types}}};\n        &{expression}\n    }};\n}}")
     }
@@ -181,6 +195,24 @@ mod tests {
             .collect();
         assert_eq!(Machine::with_defaults(Source::Valve).with(&values), machine);
         assert!(values.iter().all(|(parameter, _)| *parameter != Parameter::StopStiffness));
+    }
+
+    #[test]
+    fn a_baked_drive_says_how_large_its_state_is_and_what_it_is_made_of_in_both_number_types() {
+        fn baked<N: BakedNumber>(constants: &Constants, state_bytes: usize) -> u32 {
+            let coefficients = constants.coefficients::<N>().unwrap();
+            assert_eq!(coefficients.state_bytes, state_bytes, "{}", N::PATH);
+            let text = constants.baked::<N>().unwrap();
+            assert!(text.contains(&format!("type Number = {};", N::PATH)), "{text}");
+            assert!(text.contains(&format!("pub const STATE_BYTES: usize = {state_bytes};")), "{text}");
+            coefficients.fingerprint
+        }
+        let machine = test_press::press(&[(Parameter::TransportDelay, 0.0071)]);
+        let constants = Constants::of("late", &machine, Tick::OneMillisecond).unwrap();
+        assert_eq!(constants.delay_line, 16);
+        let fixed = baked::<PerUnit>(&constants, size_of::<DriveState<PerUnit, 16>>());
+        let single = baked::<Single>(&constants, size_of::<DriveState<Single, 16>>());
+        assert_ne!(fixed, single);
     }
 
     #[test]

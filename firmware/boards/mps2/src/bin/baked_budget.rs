@@ -7,11 +7,11 @@ mod on_target {
     use core::fmt::{self, Write};
 
     use model_core::drive::{Baked, BakedDrive, DriveInput, DriveState, Load};
-    use model_core::number::{Number, PerUnit};
+    use model_core::number::Number;
     use model_core::ports::ChamberState;
     use mps2::Counter;
     use mps2::cost::{State, deepest, instructions};
-    use mps2::trial::{Input, Moment};
+    use mps2::trial::{Input, Moment, Traced};
     use panic_semihosting as _;
 
     /// Ticks of the random input.
@@ -20,32 +20,33 @@ mod on_target {
     /// Under a command: the compiler knows that nothing else comes.
     #[inline(never)]
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "as any other model's step")]
-    fn step<B: Baked<Number = PerUnit>>(drive: &BakedDrive<B>, state: &mut State<PerUnit>, moment: &Moment) {
+    fn step<B: Baked<Number: Traced>>(drive: &BakedDrive<B>, state: &mut State<B::Number>, moment: &Moment<B::Number>) {
         if let DriveInput::Command(command) = moment.drive_input {
             drive.step(state, DriveInput::Command(command), moment.load);
         }
     }
 
-    fn cost<B: Baked<Number = PerUnit>, const LINE: usize>(
+    fn cost<B: Baked<Number: Traced>, const LINE: usize>(
         name: &str,
         counter: &mut Counter,
         out: &mut dyn Write,
     ) -> fmt::Result {
         let drive = BakedDrive::<B>::new();
-        let pressures = ChamberState { a: PerUnit::saturated(0.3), b: PerUnit::saturated(0.5) };
-        let rest = drive.at_rest(PerUnit::ZERO, pressures, PerUnit::travel(0.5));
+        let prefix = B::Number::PREFIX;
+        let pressures = ChamberState { a: B::Number::saturated(0.3), b: B::Number::saturated(0.5) };
+        let rest = drive.at_rest(B::Number::ZERO, pressures, B::Number::travel(0.5));
         let alone = |moment| Moment { load: Load::NONE, oil_temperature: None, ..moment };
         let random = || Input::Random.moments().take(RANDOM_TICKS);
         for (input, (mean, worst)) in [
             ("random", instructions(counter, step::<B>, (&drive, rest), random().map(alone))),
             ("under load", instructions(counter, step::<B>, (&drive, rest), random())),
         ] {
-            writeln!(out, "instructions {mean:>6} {worst:>6} baked, {name}, {input}")?;
+            writeln!(out, "instructions {mean:>6} {worst:>6} baked, {prefix}{name}, {input}")?;
         }
-        let used = deepest(step::<B>, (&drive, rest), &Moment::command(PerUnit::ONE));
-        writeln!(out, "stack {used:>6} baked, {name}")?;
-        let lines = 2 * LINE * size_of::<PerUnit>();
-        writeln!(out, "ram {:>6} baked, {name}: state and stack", size_of::<DriveState<PerUnit, LINE>>() - lines + used)
+        let used = deepest(step::<B>, (&drive, rest), &Moment::command(B::Number::ONE));
+        writeln!(out, "stack {used:>6} baked, {prefix}{name}")?;
+        let state = size_of::<DriveState<B::Number, LINE>>() - 2 * LINE * size_of::<B::Number>();
+        writeln!(out, "ram {:>6} baked, {prefix}{name}: state and stack", state + used)
     }
 
     macro_rules! drives {

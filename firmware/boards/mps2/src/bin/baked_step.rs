@@ -14,20 +14,21 @@ mod exported {
 fn main() -> ! {
     use core::hint::black_box;
 
-    use model_core::drive::{BakedDrive, DriveInput, DriveState, Load};
+    use model_core::drive::{Baked, BakedDrive, DriveInput, DriveState, Load};
     use model_core::flow::PumpDrive;
     use model_core::machine::Source;
-    use model_core::number::{Number, PerUnit};
+    use model_core::number::Number;
     use model_core::ports::ChamberState;
     use panic_semihosting as _;
 
+    type Word = <exported::Exported as Baked>::Number;
+
     let drive = BakedDrive::<exported::Exported>::new();
-    let half = PerUnit::ONE.halved();
+    let half = Word::ONE.halved();
     let pressures = ChamberState { a: half, b: half };
-    let mut state: DriveState<PerUnit, { exported::DELAY_LINE }> =
-        drive.at_rest(PerUnit::ZERO, pressures, half.as_travel());
+    let mut state: DriveState<Word, { exported::DELAY_LINE }> = drive.at_rest(Word::ZERO, pressures, half.as_travel());
     loop {
-        let given = black_box(PerUnit::ZERO);
+        let given = black_box(Word::ZERO);
         let input = match exported::SOURCE {
             Source::Valve => DriveInput::Command(given),
             Source::Pump => DriveInput::Pump(PumpDrive { speed: given, direction: black_box(1) }),

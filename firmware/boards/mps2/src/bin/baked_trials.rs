@@ -6,8 +6,7 @@ use core::fmt::{self, Write};
 
 use model_core::drive::{Baked, BakedDrive, Drive};
 use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
-use model_core::number::PerUnit;
-use mps2::trial::{DELAY, Input, run};
+use mps2::trial::{DELAY, Input, Traced, run};
 
 /// Why there is no trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,13 +29,13 @@ type Values = (Source, &'static [(Parameter, f64)], Tick);
 
 /// The traces of a drive under its inputs; before, its coefficients are built from the values.
 #[inline(never)]
-fn trace<B: Baked<Number = PerUnit>>(
+fn trace<B: Baked<Number: Traced>>(
     out: &mut dyn Write,
     (source, values, tick): Values,
     inputs: &[(&str, Input)],
 ) -> Result<(), BakedError> {
     let machine = Machine::with_defaults(source).with(values);
-    let built = Drive::<PerUnit>::new::<DELAY>(&machine, tick).map_err(BakedError::Machine)?;
+    let built = Drive::<B::Number>::new::<DELAY>(&machine, tick).map_err(BakedError::Machine)?;
     if built != *B::DRIVE {
         return Err(BakedError::Differs);
     }
