@@ -22,7 +22,7 @@ pub struct ValveEffects<N: Number> {
     #[doc(hidden)]
     pub flow_force: Option<FlowForce<N>>,
     /// What the spool's position takes from its lead in a tick, where the spool is a second-order system: `back` of
-    /// [`coefficients`](crate::coefficients)`::lags`.
+    /// `coefficients::lags`.
     #[doc(hidden)]
     pub swing: Option<N::Gain>,
     #[doc(hidden)]
