@@ -1,7 +1,6 @@
 /* A drive in a plain superloop: a tick, its inputs, the model, its outputs.
  *
  * It runs on a desktop; what a board has in the place of a function is said beside it. */
-#include <inttypes.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -27,7 +26,7 @@ static void put_out(uint32_t tick, const drive_reading_t *reading)
 {
     const double position_mm = ((double)reading->position_q56 / 72057594037927936.0) * DRIVE_POSITION_BASE_M * 1e3;
     const double pressure_a_bar = ((double)reading->pressure_a_q28 / ONE_Q28) * DRIVE_PRESSURE_BASE_PA / 1e5;
-    (void)printf("%4" PRIu32 " ticks  %7.3f mm  A %5.1f bar\n", tick, position_mm, pressure_a_bar);
+    (void)printf("%4.0f ms  %7.3f mm  A %5.1f bar\n", (double)tick * DRIVE_TICK_S * 1e3, position_mm, pressure_a_bar);
 }
 
 int main(void)
