@@ -12,6 +12,7 @@ use model_core::number::{Number, PerUnit};
 use model_core::ports::ChamberState;
 use mps2::trial::{Input, Moment, SETS, mass, press, pump};
 use system_tests::at_hand::skipped;
+use system_tests::emulator::{builds_for, built_in};
 
 use super::{done, text};
 
@@ -93,7 +94,7 @@ impl Exported {
     fn library(&self, target: Option<&str>) -> PathBuf {
         assert_well(&build(&self.folder.path().join("drive.rs"), target));
         let library = self.folder.path().join("libdrive.a");
-        std::fs::copy(built().join(target.unwrap_or("")).join("release/libdrive.a"), &library).unwrap();
+        std::fs::copy(built_in(BUILT).join(target.unwrap_or("")).join("release/libdrive.a"), &library).unwrap();
         library
     }
 
@@ -111,15 +112,15 @@ fn pressures() -> [PerUnit; 2] {
     [0.3, 0.5].map(PerUnit::saturated)
 }
 
-/// Where libraries are built.
-fn built() -> PathBuf {
-    std::env::current_exe().unwrap().ancestors().nth(3).unwrap().join("tmp/c_library")
-}
+/// The name of the folder where libraries are built.
+const BUILT: &str = "c_library";
 
 /// Builds the library of an exported drive for a target, or for the host.
 fn build(drive: &Path, target: Option<&str>) -> Output {
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["build", "--quiet", "--release", "--locked", "--package", "drive-c", "--target-dir"]).arg(built());
+    cargo
+        .args(["build", "--quiet", "--release", "--locked", "--package", "drive-c", "--target-dir"])
+        .arg(built_in(BUILT));
     cargo.args(target.iter().flat_map(|target| ["--target", *target])).env("DRIVE", drive);
     cargo.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).output().unwrap()
 }
@@ -148,16 +149,6 @@ fn is_there(program: &str) -> bool {
     let there = Command::new(program).arg("--version").output().is_ok();
     if !there {
         skipped(&format!("there is no {program}"));
-    }
-    there
-}
-
-/// Whether Rust can build for a target; if not, prints that it is skipped.
-fn builds_for(target: &str) -> bool {
-    let folder = Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output().unwrap();
-    let there = Path::new(String::from_utf8_lossy(&folder.stdout).trim()).is_dir();
-    if !there {
-        skipped(&format!("Rust has no {target}; rustup target add {target}"));
     }
     there
 }

@@ -14,7 +14,10 @@ use system_tests::simulate::{DELAY, State, any_word, drive};
 
 use super::cases;
 
-fn any_drive_input() -> impl Strategy<Value = DriveInput<PerUnit>> {
+/// Any drive input of such words.
+pub(crate) fn any_drive_input<N: Number, W: Strategy<Value = N>>(
+    any_word: impl Fn() -> W,
+) -> impl Strategy<Value = DriveInput<N>> {
     prop_oneof![
         any_word().prop_map(DriveInput::Command),
         (any_word(), any_word()).prop_map(|(from, to)| DriveInput::Spool(Spool { from, to })),
@@ -81,7 +84,7 @@ proptest! {
         source in prop::sample::select(vec![Source::Valve, Source::Pump, Source::Force]),
         effects in prop::option::of(any_effects()),
         seed in any::<u64>(),
-        inputs in prop::collection::vec((any_drive_input(), any_load()), 1..30),
+        inputs in prop::collection::vec((any_drive_input(any_word), any_load()), 1..30),
     ) {
         let mut machine = machine;
         machine.source = source;

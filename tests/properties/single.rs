@@ -1,23 +1,19 @@
 //! Single precision: nothing infinite and no NaN arises, whatever a drive is given, and it is the model that `f64` computes.
 
-use std::cell::RefCell;
-
 use proptest::prelude::*;
 
-use model_core::drive::{Drive, DriveInput, Load};
-use model_core::flow::PumpDrive;
+use model_core::drive::{Drive, Load};
 use model_core::machine::{Parameter as P, Source};
 use model_core::number::{Number, Single};
-use model_core::ports::{ChamberState, Flows, Spool};
-use recording::excitation::signals::Excitation;
+use model_core::ports::ChamberState;
 use serde_json::{Value, json};
 use system_tests::any_effects::any_effects;
 use system_tests::any_machine::{any_machine, any_tick};
-use system_tests::simulate::{DELAY, State, core, distance};
-use virtual_plant::InitialState;
+use system_tests::simulate::{DELAY, State};
 
-use super::agreement::{HELD, largest_pressures};
-use super::{cases, runner};
+use super::agreement::{Budget, assert_agrees};
+use super::cases;
+use super::extremes::any_drive_input;
 
 /// Any bits, and values of usual size as often.
 fn any_word() -> impl Strategy<Value = Single> {
@@ -27,19 +23,6 @@ fn any_word() -> impl Strategy<Value = Single> {
         1 => prop::sample::select(vec![f32::NAN, f32::INFINITY, -f32::INFINITY, 8.0, -8.0, 0.0, -0.0]),
     ]
     .prop_map(Single::from)
-}
-
-fn any_drive_input() -> impl Strategy<Value = DriveInput<Single>> {
-    prop_oneof![
-        any_word().prop_map(DriveInput::Command),
-        (any_word(), any_word()).prop_map(|(from, to)| DriveInput::Spool(Spool { from, to })),
-        (any_word(), any_word(), any_word())
-            .prop_map(|(command, from, to)| DriveInput::Followed { command, spool: Spool { from, to } }),
-        (any_word(), any::<i8>()).prop_map(|(speed, direction)| DriveInput::Pump(PumpDrive { speed, direction })),
-        (any_word(), any_word(), any_word(), any_word())
-            .prop_map(|(a, b, c, d)| DriveInput::Flow { from: Flows { a, b }, to: Flows { a: c, b: d } }),
-        (any_word(), any_word()).prop_map(|(from, to)| DriveInput::Force { from, to }),
-    ]
 }
 
 /// Replaces every real number of a stored state.
@@ -73,7 +56,7 @@ proptest! {
         source in prop::sample::select(vec![Source::Valve, Source::Valve, Source::Pump, Source::Force]),
         effects in prop::option::of(any_effects()),
         words in prop::collection::vec(any_word(), 61),
-        inputs in prop::collection::vec((any_drive_input(), any_word(), any_word(), any_word()), 1..30),
+        inputs in prop::collection::vec((any_drive_input(any_word), any_word(), any_word(), any_word()), 1..30),
     ) {
         let mut machine = machine;
         machine.source = source;
@@ -100,43 +83,10 @@ proptest! {
     }
 }
 
-/// Budget of the rounding over 4 s, strokes: ten times that of fixed point.
-const POSITION: f64 = 1e-4;
-/// The same for pressures, in supply pressures, or as a multiple of the largest sum of both pressures where this is more.
-const PRESSURE: f64 = 1e-3;
-/// Share of the travel by which it may be off.
-const TRAVEL_SHARE: f64 = 1e-5;
+/// Ten times that of fixed point; over the travel, less.
+const BUDGET: Budget = Budget { position: 1e-4, pressure: 1e-3, travel_share: 1e-5 };
 
 #[test]
 fn single_precision_and_f64_agree_for_every_drive() {
-    let at_the_limit = RefCell::new(Vec::new());
-    runner(1000, file!())
-        .run(&(any_machine(), any_tick(), any::<u64>()), |(machine, tick, seed)| {
-            let volts = Excitation::random_steps(seed).sample(tick.seconds());
-            let initial = InitialState::at_rest(&machine, 0.0);
-            let real = core::<f64>(&machine, tick, &volts, &initial);
-            let highest = largest_pressures(&real);
-            prop_assume!(highest < HELD);
-            let apart = distance(&real, &core::<Single>(&machine, tick, &volts, &initial));
-            let travel = real.iter().fold(0.0_f64, |travel, row| travel.max(row.position.abs()));
-            // Dry friction decides: the last bit may release or stop the rod a tick earlier, and its pressures change with it.
-            let sticks = machine.get(P::CoulombFriction) > 0.0;
-            let ways = real.windows(2).map(|pair| (pair[1].position - pair[0].position).abs());
-            let decided = if sticks { 2.0 * ways.fold(0.0, f64::max) } else { 0.0 };
-            let off = apart.pressure / (PRESSURE * highest.max(1.0));
-            let limited = machine.get(P::FlowLimit).is_finite();
-            if limited && !sticks {
-                at_the_limit.borrow_mut().push(off);
-            }
-            let most = POSITION + TRAVEL_SHARE * travel + decided;
-            prop_assert!(apart.position <= most, "{apart:?} of {travel}");
-            prop_assert!(sticks || limited || off <= 1.0, "{apart:?}");
-            Ok(())
-        })
-        .unwrap();
-    // A drive with a limited flow may oscillate at its limit (`settling`), and rounding errors with it.
-    let at_the_limit = at_the_limit.into_inner();
-    let far = at_the_limit.iter().filter(|off| **off > 1.0 || off.is_nan()).count();
-    println!("{far} of {} with a limited flow are further off", at_the_limit.len());
-    assert!(at_the_limit.len() > 100 && 20 * far < at_the_limit.len(), "{far} of {}", at_the_limit.len());
+    assert_agrees::<Single>(&BUDGET, file!());
 }

@@ -48,13 +48,7 @@ impl Processor {
     /// Whether binaries can be built for it; if not, prints that a test is skipped.
     #[must_use]
     pub fn can_be_built_for(self) -> bool {
-        let target = self.target();
-        let folder = Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output();
-        let there = folder.is_ok_and(|folder| PathBuf::from(String::from_utf8_lossy(&folder.stdout).trim()).is_dir());
-        if !there {
-            skipped(&format!("Rust has no {target}; rustup target add {target}"));
-        }
-        there
+        builds_for(self.target())
     }
 
     /// Whether binaries can be built for it and run; if not, prints that a test is skipped.
@@ -171,7 +165,7 @@ impl Processor {
     }
 
     fn file(self, binary: &str) -> PathBuf {
-        folder().join(self.target()).join("release").join(binary)
+        built_in("on_target").join(self.target()).join("release").join(binary)
     }
 }
 
@@ -202,16 +196,31 @@ fn cargo(verb: &str, binary: &str) -> Command {
     // A folder of its own: the cargo that runs this test locks the usual one.
     cargo
         .args([verb, "--quiet", "--release", "--locked", "--package", "mps2", "--bin", binary, "--target-dir"])
-        .arg(folder())
+        .arg(built_in("on_target"))
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
         .stdin(Stdio::null());
     cargo
 }
 
-/// Where images are built: beside what cargo has built of the test itself, `target/<profile>/deps/<test>`.
-fn folder() -> PathBuf {
+/// Whether Rust can build for a target; if not, prints that a test is skipped.
+#[must_use]
+pub fn builds_for(target: &str) -> bool {
+    let folder = Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output();
+    let there = folder.is_ok_and(|folder| PathBuf::from(String::from_utf8_lossy(&folder.stdout).trim()).is_dir());
+    if !there {
+        skipped(&format!("Rust has no {target}; rustup target add {target}"));
+    }
+    there
+}
+
+/// A folder for what a test builds: beside what cargo has built of the test itself, `target/<profile>/deps/<test>`.
+///
+/// # Panics
+/// The test does not run from a file.
+#[must_use]
+pub fn built_in(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a test runs from a file");
-    test.ancestors().nth(3).unwrap_or(&test).join("tmp/on_target")
+    test.ancestors().nth(3).unwrap_or(&test).join("tmp").join(name)
 }
 
 fn output(cargo: &mut Command) -> Vec<u8> {

@@ -3,7 +3,8 @@
 //! ```text
 //! trial        drives under inputs that host and target both run    → parity, budget
 //! in_the_loop  the firmware's parts, at the other end of a line     → loop
-//! cost         instructions and stack of a step              → budget, baked_budget
+//! cost         instructions and stack of a step                  → budget, baked_budget
+//! image        what binaries consist of that have nothing else    → steps, parity
 //! board, uart  the boards themselves, on the target only            → every binary
 //! ```
 //!
@@ -18,6 +19,7 @@ extern crate std;
 mod board;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 pub mod cost;
+mod image;
 pub mod in_the_loop;
 pub mod trial;
 #[cfg(all(target_arch = "arm", target_os = "none"))]

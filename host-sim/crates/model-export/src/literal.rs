@@ -133,44 +133,27 @@ impl ser::SerializeStruct for Fields<'_> {
     }
 }
 
-impl ser::SerializeTuple for Parts<'_> {
-    type Ok = ();
-    type Error = Unwritable;
+/// What is written as its elements, one beside the other.
+macro_rules! elements {
+    ($($of:ident $serialize:ident),*) => {
+        $(impl ser::$of for Parts<'_> {
+            type Ok = ();
+            type Error = Unwritable;
 
-    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Unwritable> {
-        self.element(value)
-    }
+            fn $serialize<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Unwritable> {
+                self.element(value)
+            }
 
-    fn end(self) -> Result<(), Unwritable> {
-        self.close(false)
-    }
+            fn end(self) -> Result<(), Unwritable> {
+                self.close(false)
+            }
+        })*
+    };
 }
 
-impl ser::SerializeTupleStruct for Parts<'_> {
-    type Ok = ();
-    type Error = Unwritable;
-
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Unwritable> {
-        self.element(value)
-    }
-
-    fn end(self) -> Result<(), Unwritable> {
-        self.close(false)
-    }
-}
-
-impl ser::SerializeTupleVariant for Parts<'_> {
-    type Ok = ();
-    type Error = Unwritable;
-
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Unwritable> {
-        self.element(value)
-    }
-
-    fn end(self) -> Result<(), Unwritable> {
-        self.close(false)
-    }
-}
+elements!(
+    SerializeTuple serialize_element, SerializeTupleStruct serialize_field, SerializeTupleVariant serialize_field
+);
 
 /// Numbers that are written as they are shown.
 macro_rules! integers {

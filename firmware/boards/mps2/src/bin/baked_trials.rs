@@ -61,19 +61,4 @@ macro_rules! drives {
 
 include!(concat!(env!("OUT_DIR"), "/baked_trials.rs"));
 
-#[cfg(all(target_arch = "arm", target_os = "none"))]
-#[cortex_m_rt::entry]
-fn main() -> ! {
-    use panic_semihosting as _;
-
-    let well = mps2::console().is_some_and(|mut console| traces(&mut console).is_ok());
-    mps2::exit(well)
-}
-
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
-fn main() -> Result<(), String> {
-    let mut text = String::new();
-    let done = traces(&mut text);
-    print!("{text}");
-    done.map_err(|error| format!("{error:?}"))
-}
+mps2::prints!(traces);

@@ -12,19 +12,4 @@ fn traces(out: &mut impl Write) -> Result<(), CaseError> {
     cases().try_for_each(|case| case.trace::<Single>(out))
 }
 
-#[cfg(all(target_arch = "arm", target_os = "none"))]
-#[cortex_m_rt::entry]
-fn main() -> ! {
-    use panic_semihosting as _;
-
-    let well = mps2::console().is_some_and(|mut console| traces(&mut console).is_ok());
-    mps2::exit(well)
-}
-
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
-fn main() -> Result<(), String> {
-    let mut text = String::new();
-    let done = traces(&mut text);
-    print!("{text}");
-    done.map_err(|error| format!("{error:?}"))
-}
+mps2::prints!(traces);
