@@ -33,6 +33,34 @@ pub fn used_by<T>(work: impl FnOnce() -> T) -> (T, usize) {
     (done, 0)
 }
 
+/// Sets the processor's limit of the stack to its end: a stack that overflows is a fault, before it overwrites anything. Without a handler of its own
+/// the processor then stands still, and the watchdog restarts it. Not for an ARMv8-M without the main extension, which has no limit outside its secure state.
+///
+/// # Panics
+/// `_stack_end` is not at a whole double word.
+#[cfg(armv8m_main)]
+#[expect(unsafe_code, reason = "the limit of the stack is written")]
+pub fn guard() {
+    let lowest = end();
+    // The limit has no lower bits: cut down, it would take what lies below the stack.
+    assert!(lowest.is_multiple_of(8), "_stack_end is at {lowest:#x}; expected a whole double word");
+    // SAFETY: below the limit nobody owns anything on this stack.
+    unsafe { cortex_m::register::msplim::write(lowest) };
+}
+
+/// Where the linker script ends the stack.
+#[cfg(any(not(armv8m), armv8m_main))]
+#[expect(unsafe_code, reason = "the linker's symbol has an address only")]
+fn end() -> u32 {
+    unsafe extern "C" {
+        static _stack_end: u32;
+    }
+    let lowest = (&raw const _stack_end).expose_provenance();
+    #[expect(clippy::cast_possible_truncation, reason = "an address has 32 bits here")]
+    let lowest = lowest as u32;
+    lowest
+}
+
 /// Size of the guard, bytes: a power of two, as `memory.x` aligns the end of the stack.
 #[cfg(not(armv8m))]
 const GUARD_BITS: u32 = 10;
@@ -46,17 +74,9 @@ const GUARD_BITS: u32 = 10;
 /// # Panics
 /// `_stack_end` is not at a whole kilobyte.
 #[cfg(not(armv8m))]
-#[expect(
-    unsafe_code,
-    reason = "the registers of the memory protection are written, and the linker's symbol has an address only"
-)]
+#[expect(unsafe_code, reason = "the registers of the memory protection are written")]
 pub fn guard(mpu: &mut cortex_m::peripheral::MPU) {
-    unsafe extern "C" {
-        static _stack_end: u32;
-    }
-    let lowest = (&raw const _stack_end).expose_provenance();
-    #[expect(clippy::cast_possible_truncation, reason = "an address has 32 bits here")]
-    let lowest = lowest as u32;
+    let lowest = end();
     // Cut down to a whole kilobyte, it would take what lies below the stack.
     assert!(lowest.trailing_zeros() >= GUARD_BITS, "_stack_end is at {lowest:#x}; expected a whole kilobyte");
     // Never executed, no access, of this size, on; elsewhere as without the protection, and off in the fault's own handler.
