@@ -1,22 +1,27 @@
-//! Takes in the drive's values.
+//! Takes in the drive's values, and the planned excitation.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// The variable that names the file with the values, and the file without it; its name in the code.
-const VARIABLE: &str = "FIRMWARE_MACHINE";
-const NAME: &str = "machine.rs";
+/// Each file that is taken in: the variable that names it, the file without it, which is also its name in the code, and what writes it.
+const TAKEN: [(&str, &str, &str); 2] = [
+    ("FIRMWARE_MACHINE", "machine.rs", "`host-sim export`"),
+    ("FIRMWARE_PLAN", "plan.rs", "`host-sim plan --firmware`"),
+];
 
 fn main() {
     let folder = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
     println!("cargo:rerun-if-changed=build.rs");
-    println!("cargo:rerun-if-env-changed={VARIABLE}");
-    let file = env::var_os(VARIABLE).map_or_else(|| NAME.into(), PathBuf::from);
-    println!("cargo:rerun-if-changed={}", file.display());
-    if let Err(error) = fs::copy(&file, folder.join(NAME)) {
-        println!(
-            "cargo::error={}: cannot be taken in: {error}; expected what `host-sim export` writes",
-            file.display()
-        );
+    for (variable, name, writer) in TAKEN {
+        println!("cargo:rerun-if-env-changed={variable}");
+        let file = env::var_os(variable).map_or_else(|| name.into(), PathBuf::from);
+        println!("cargo:rerun-if-changed={}", file.display());
+        take(&file, &folder.join(name), writer);
+    }
+}
+
+fn take(file: &Path, to: &Path, writer: &str) {
+    if let Err(error) = fs::copy(file, to) {
+        println!("cargo::error={}: cannot be taken in: {error}; expected what {writer} writes", file.display());
     }
 }

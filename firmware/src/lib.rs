@@ -27,6 +27,8 @@
 #![no_std]
 #![deny(unsafe_code)]
 
+// What `host-sim plan --firmware` writes names it, in this crate as in any other.
+extern crate self as firmware;
 #[cfg(test)]
 extern crate std;
 

@@ -7,3 +7,4 @@ pub mod cli;
 pub mod frames;
 #[cfg(feature = "virtual-plant")]
 pub mod paper;
+pub mod played;

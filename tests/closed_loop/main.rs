@@ -11,6 +11,7 @@ mod following;
 #[cfg(unix)]
 mod on_target;
 mod pi;
+mod plan;
 #[cfg(unix)]
 mod runaway;
 mod table;

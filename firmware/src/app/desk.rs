@@ -10,6 +10,7 @@ use super::operator::{Errand, Operator, OperatorError, OperatorState};
 use super::press::{self, TICK_NS, values};
 use super::station::Station;
 use crate::commissioning::{Commissioning, CommissioningError, CommissioningState, Step};
+use crate::excitation::plan::Permitted;
 use crate::io::{AnalogIn, AnalogOut, PositionIn};
 use crate::period::{Report, Request, Timing};
 use crate::recorder::Outbox;
@@ -44,10 +45,12 @@ pub struct Desk<'a, A, P, O> {
 }
 
 impl<'a, A: AnalogIn, P: PositionIn, O: AnalogOut> Desk<'a, A, P, O> {
-    /// A desk at this station; the operator may send the rod anywhere within the bounds.
+    /// A desk at this station; the operator may send the rod anywhere within the bounds, and play the press's excitations and its plan there.
     #[must_use]
     pub fn new(station: Station<'a, A, P, O>, bounds: Bounds) -> Self {
-        let operator = Operator::new(bounds, *station.bases(), &press::EXCITATIONS);
+        let bases = *station.bases();
+        let permitted = Permitted { fingerprint: station.fingerprint(), bases, bounds, most_v: press::COMMAND_V };
+        let operator = Operator::new(bounds, bases, &press::EXCITATIONS).with_plan(press::PLAN, permitted);
         let (commissioning, steps) = (station.commissioning(), CommissioningState::default());
         let (state, outbox) = (operator.at_rest(), Outbox::default());
         Self { station, operator, state, bounds, commissioning, steps, outbox }
@@ -103,6 +106,9 @@ impl<'a, A: AnalogIn, P: PositionIn, O: AnalogOut> Desk<'a, A, P, O> {
     pub fn step(&mut self, timing: Timing, log: &mut impl Log) -> Report {
         let (Request { set_point, command, timing }, ask) =
             (self.operator.request(&mut self.state, timing), self.commissioning.ask(&mut self.steps));
+        if let Some(command) = self.operator.played(&mut self.state) {
+            self.station.play(command);
+        }
         if let Some(by_hand) = ask.by_hand {
             self.station.put_out_by_hand(by_hand);
         }

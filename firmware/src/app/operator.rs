@@ -12,6 +12,7 @@
 //! | `n` | delete that, and wait for the next alarm or fault |
 //! | `1c` to `7c` | begin this step of the [commissioning](crate::commissioning); `0c` leaves it |
 //! | `2e` | play the second [excitation](super::press::EXCITATIONS) about where the rod stands, and trigger the recorder; as `g`, only while the rod follows and rests |
+//! | `4e` | play the [plan](super::press::PLAN), from the place where it begins |
 //! | `i` | from now on an alarm of the monitor is told and stops nothing, until the controller restarts |
 //!
 //! Spaces and line ends do nothing. Positions are whole millimetres. After an unknown character, or one that was lost on the line,
@@ -21,7 +22,8 @@ use model_core::machine::Bases;
 use model_core::number::{Number, PerUnit};
 use thiserror::Error;
 
-use crate::excitation::{Excitation, ExcitationError, Wave, WaveState};
+use crate::excitation::plan::{Permitted, Plan, Play, PlayState};
+use crate::excitation::{Excitation, ExcitationError, PlanError, Wave, WaveState};
 use crate::period::{Report, Request, Timing};
 use crate::set_point::{Bounds, Course, CourseState, Leg, SetPoint, SetPointError};
 use crate::supervision::{Command, Mode};
@@ -93,6 +95,9 @@ pub enum OperatorError {
     /// The excitation does not fit here.
     #[error(transparent)]
     Excitation(#[from] ExcitationError),
+    /// The plan is for another machine, or does not fit here.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
 }
 
 /// Where and how fast the operator may send the rod: configuration.
@@ -101,6 +106,7 @@ pub struct Operator {
     bases: Bases,
     bounds: Bounds,
     excitations: &'static [Excitation],
+    plan: Option<(&'static Plan<'static>, Permitted)>,
 }
 
 /// What was typed so far, and where the rod is wanted.
@@ -113,6 +119,8 @@ pub struct OperatorState {
     mode: Mode,
     course: Option<(Course<1>, CourseState)>,
     wave: Option<(Wave, WaveState)>,
+    /// A plan that is played; it is forgotten when it has ended.
+    play: Option<(Play<'static>, PlayState)>,
     wanted: SetPoint,
 }
 
@@ -120,7 +128,13 @@ impl Operator {
     /// An operator with these bounds and bases, who may play these excitations.
     #[must_use]
     pub fn new(bounds: Bounds, bases: Bases, excitations: &'static [Excitation]) -> Self {
-        Self { bases, bounds, excitations }
+        Self { bases, bounds, excitations, plan: None }
+    }
+
+    /// The same with a plan, whose number is the next after the excitations, and what it may do.
+    #[must_use]
+    pub fn with_plan(self, plan: &'static Plan<'static>, permitted: Permitted) -> Self {
+        Self { plan: Some((plan, permitted)), ..self }
     }
 
     /// The initial state: nothing was typed and nothing is known.
@@ -134,6 +148,7 @@ impl Operator {
             mode: Mode::Starting,
             course: None,
             wave: None,
+            play: None,
             wanted,
         }
     }
@@ -216,19 +231,29 @@ impl Operator {
             return Err(OperatorError::NotFollowing);
         }
         let moves = state.course.as_ref().is_some_and(|(course, along)| !course.is_done(along))
-            || state.wave.as_ref().is_some_and(|(wave, along)| !wave.is_done(along));
+            || state.wave.as_ref().is_some_and(|(wave, along)| !wave.is_done(along))
+            || state.play.is_some();
         if moves { Err(OperatorError::Moving) } else { Ok(()) }
     }
 
     fn play(&self, state: &mut OperatorState, number: Option<u32>) -> Result<(), OperatorError> {
         Self::rests(state)?;
         let index = number.and_then(|number| (number as usize).checked_sub(1));
-        let excitation = index.and_then(|index| self.excitations.get(index));
-        let excitation = excitation.ok_or(OperatorError::NoExcitation { most: self.excitations.len() })?;
-        let wave = excitation.about(state.wanted.position, &self.bases, &self.bounds)?;
-        state.wave = Some((wave, WaveState::default()));
-        state.course = None;
-        Ok(())
+        let from = state.wanted.position;
+        if let Some(excitation) = index.and_then(|index| self.excitations.get(index)) {
+            let wave = excitation.about(from, &self.bases, &self.bounds)?;
+            (state.course, state.wave) = (None, Some((wave, WaveState::default())));
+            return Ok(());
+        }
+        let most = self.excitations.len() + usize::from(self.plan.is_some());
+        match &self.plan {
+            Some((plan, permitted)) if index == Some(self.excitations.len()) => {
+                let play = plan.at(from, permitted)?;
+                (state.course, state.wave, state.play) = (None, None, Some((play, PlayState::default())));
+                Ok(())
+            }
+            _ => Err(OperatorError::NoExcitation { most }),
+        }
     }
 
     fn go(&self, state: &mut OperatorState, to_m: f64) -> Result<(), OperatorError> {
@@ -253,17 +278,28 @@ impl Operator {
         Request { set_point: state.wanted, command: state.command.take(), timing }
     }
 
+    /// The command for the model in the next period, in units of 10 V, while a plan is played: it takes the place of the set point.
+    pub fn played(&self, state: &mut OperatorState) -> Option<PerUnit> {
+        let (play, along) = state.play.as_mut()?;
+        let command = play.step(along);
+        if command.is_none() {
+            state.play = None;
+        }
+        command
+    }
+
     /// Takes the report of a period: until the rod follows, its set point is its measured position.
     pub fn seen(&self, state: &mut OperatorState, report: &Report) {
         state.mode = report.mode;
         match report.mode {
-            Mode::Following => {}
+            Mode::Following if state.play.is_none() => {}
+            Mode::Following => state.wanted = SetPoint { velocity: PerUnit::ZERO, ..report.followed },
             Mode::Holding => {
-                (state.course, state.wave) = (None, None);
+                (state.course, state.wave, state.play) = (None, None, None);
                 state.wanted = SetPoint { velocity: PerUnit::ZERO, ..report.followed };
             }
             Mode::Starting | Mode::RampingDown | Mode::Neutral => {
-                (state.course, state.wave) = (None, None);
+                (state.course, state.wave, state.play) = (None, None, None);
                 state.wanted = SetPoint { position: report.measured.position, velocity: PerUnit::ZERO };
             }
         }

@@ -7,6 +7,7 @@ use model_core::control::Tuning;
 use model_core::machine::{Bases, Machine};
 
 use crate::excitation::Excitation;
+use crate::excitation::plan::Plan;
 use crate::io::ads8688::{CHANNELS, Range};
 use crate::measured::AnalogSignal;
 use crate::monitor::{Monitor, MonitorError, Sensitivity, Spread};
@@ -19,6 +20,14 @@ use crate::supervision::{Allowed, Delay, Deviation, Limits, LimitsError, Respons
 pub mod values {
     include!(concat!(env!("OUT_DIR"), "/machine.rs"));
 }
+
+/// What `host-sim plan --firmware` wrote.
+pub mod planned {
+    include!(concat!(env!("OUT_DIR"), "/plan.rs"));
+}
+
+/// What the operator may play after the [`EXCITATIONS`]: the plan in `plan.rs`, or in the file that `FIRMWARE_PLAN` names while the firmware is built.
+pub const PLAN: &Plan<'static> = &planned::PLAN;
 
 /// Length of a tick, ns.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "two milliseconds at most")]
@@ -49,7 +58,7 @@ pub const SPOOL_AT_10_V: f64 = 1.0;
 pub const PRESSURE_AT_4_5_V_PA: f64 = 10e6;
 
 /// Largest command, V, and its slew, V/s: the same for the loops and for the period that checks them, so that nothing winds up between the two.
-const COMMAND_V: f64 = 9.5;
+pub(super) const COMMAND_V: f64 = 9.5;
 const SLEW_V_PER_S: f64 = 2000.0;
 
 /// Where the rod may be sent, and how fast. At its largest command the press moves out at 70 and in at 45 mm/s; with its values off by what the limits of

@@ -15,6 +15,7 @@ use model_core::number::PerUnit;
 use super::press::{self, PressError};
 use crate::commissioning::{Commissioning, Refusal};
 use crate::control::{Control, Following, Predicted, Reference};
+use crate::excitation::plan::fingerprint;
 use crate::io::ad5754::{Ad5754, Channel as Output, Reference as Supply};
 use crate::io::ads8688::Ads8688;
 use crate::io::ls7366r::{FilterClock, Ls7366r};
@@ -78,6 +79,7 @@ pub struct Assembly {
     rig: Rig,
     control: Press,
     commissioning: Commissioning,
+    fingerprint: u32,
     /// µV of 2¹⁶ counts of the inputs.
     input_uv: u32,
     /// Rows that the recorder keeps from before its trigger.
@@ -104,7 +106,8 @@ impl Assembly {
         let control = Following::new(Follower::new(machine, &press::tuning(machine), tick)?, reference);
         let rig = press::rig(machine, &bases, input_uv, output_uv)?;
         let commissioning = Commissioning::new(machine, &bases, &rig.limits);
-        let assembly = Self { bases, rig, control, commissioning, input_uv, before: 0 };
+        let fingerprint = fingerprint(machine);
+        let assembly = Self { bases, rig, control, commissioning, fingerprint, input_uv, before: 0 };
         assembly.recording_before(BEFORE_S)
     }
 
@@ -168,7 +171,7 @@ impl Assembly {
         place: Place,
         memory: &mut Option<Ring>,
     ) -> Result<Station<'_, A, P, O>, StationError> {
-        let Self { bases, rig, control, commissioning, before, .. } = self;
+        let Self { bases, rig, control, commissioning, fingerprint, before, .. } = self;
         let channel = |name, unit, base, range| Channel { name, unit, base, range };
         let recorder = memory.insert(Recorder::new(
             [
@@ -186,7 +189,7 @@ impl Assembly {
             BeginError::Position(error) => StationError::of(Device::Position)(error.cause()),
             BeginError::Output(error) => StationError::of(Device::Output)(error.cause()),
         })?;
-        Ok(Station { bases, period, commissioning, active_faults: ActiveFaults::NONE, recorder })
+        Ok(Station { bases, period, commissioning, fingerprint, active_faults: ActiveFaults::NONE, recorder })
     }
 
     /// Builds the station over the press's three parts, and sets these up: see [`wired`].
@@ -254,6 +257,7 @@ pub struct Station<'a, A, P, O> {
     bases: Bases,
     period: Period<A, P, O, Press>,
     commissioning: Commissioning,
+    fingerprint: u32,
     /// Faults after the last period: a new one triggers the recorder.
     active_faults: ActiveFaults,
     recorder: &'a mut Ring,
@@ -292,6 +296,17 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut> Station<'_, A, P, O> {
     #[must_use]
     pub fn commissioning(&self) -> Commissioning {
         self.commissioning
+    }
+
+    /// What tells the machine's values from others: [`fingerprint`].
+    #[must_use]
+    pub fn fingerprint(&self) -> u32 {
+        self.fingerprint
+    }
+
+    /// A command for the reference model in the next period, which the machine follows: [`Period::play`].
+    pub fn play(&mut self, command: PerUnit) {
+        self.period.play(command);
     }
 
     /// A command in place of the loops' in the next period: [`Period::put_out_by_hand`].

@@ -43,6 +43,15 @@ impl<const DELAY: usize> Following<DELAY> {
             self.reference.set_oil_temperature(temperature);
         }
     }
+
+    /// The machine's command, which makes it do what the model does under its own; the model is stepped.
+    fn together(&mut self, model_command: PerUnit, model: &Predicted, measured: &Measured) -> PerUnit {
+        let seen = self.reference.undistorted(&measured.observed());
+        let command = self.follower.command(&mut self.state, model_command, model, &seen);
+        self.inform(measured);
+        self.reference.step(model_command);
+        command
+    }
 }
 
 impl<const DELAY: usize> Control for Following<DELAY> {
@@ -68,11 +77,18 @@ impl<const DELAY: usize> Control for Following<DELAY> {
     fn follow(&mut self, set_point: SetPoint, measured: &Measured) -> PerUnit {
         let model = self.reference.predicted();
         let model_command = self.follower.model_command(&mut self.state, set_point, &model);
-        let seen = self.reference.undistorted(&measured.observed());
-        let command = self.follower.command(&mut self.state, model_command, &model, &seen);
-        self.inform(measured);
-        self.reference.step(model_command);
-        command
+        self.together(model_command, &model, measured)
+    }
+
+    fn play(&mut self, command: PerUnit, measured: &Measured) -> PerUnit {
+        let model = self.reference.predicted();
+        let model_command = self.follower.driven_command(&mut self.state, command, &model);
+        self.together(model_command, &model, measured)
+    }
+
+    fn motion(&self) -> SetPoint {
+        let Predicted { position, velocity, .. } = self.reference.predicted();
+        SetPoint { position, velocity }
     }
 
     fn accompany(&mut self, command: PerUnit, measured: &Measured) {

@@ -25,6 +25,12 @@ pub trait Control {
     /// One period of both loops: returns the command for the machine, in units of 10 V; the model is stepped with its own command.
     fn follow(&mut self, set_point: SetPoint, measured: &Measured) -> PerUnit;
 
+    /// The same with the model driven by `command`, in units of 10 V, in place of its loop: the machine is made to do what the model does.
+    fn play(&mut self, command: PerUnit, measured: &Measured) -> PerUnit;
+
+    /// Where the model's rod is now, and how fast: what the machine's is to do while the model is driven by [`Self::play`].
+    fn motion(&self) -> SetPoint;
+
     /// One period in which the machine gets `command`, in units of 10 V, from elsewhere: the model is stepped with it.
     fn accompany(&mut self, command: PerUnit, measured: &Measured);
 

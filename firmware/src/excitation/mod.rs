@@ -11,10 +11,12 @@
 //!
 //! v and a are 80 % of the bounds' velocity and acceleration. The rest is for the window and for rounding: no excitation is refused by the
 //! [`Envelope`](crate::set_point::Envelope) of its bounds, which checks it tick by tick like any other set point. So does the period with its other limits.
+//! What [`plan`] plays is not made here, and moves a model in place of a set point.
 //!
 //! The sine is that of `micromath`, single precision: within 0.002 of the amplitude, with a smooth slope. That is good enough here and nowhere else in the
 //! period, since what is played is recorded. The rate of a sweep is within 1 % of what is stated, in all its length.
 
+pub mod plan;
 mod refused;
 
 use micromath::F32Ext;
@@ -24,7 +26,7 @@ use model_core::number::{Number, PerUnit};
 
 use crate::set_point::Bounds;
 
-pub use refused::ExcitationError;
+pub use refused::{ExcitationError, PlanError};
 
 /// How the rod is to be moved, as an engineer states it.
 #[derive(Clone, Copy, Debug, PartialEq)]

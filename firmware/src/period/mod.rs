@@ -7,7 +7,7 @@
 //! | mode | command |
 //! |---|---|
 //! | starting, neutral | neutral at once |
-//! | following | control along the set point, within slew and size |
+//! | following | control along the set point, or along a model that is driven ([`Period::play`]), within slew and size |
 //! | holding | control at the set point, which comes to rest at the permitted acceleration; within slew and size |
 //! | ramping down | towards neutral by the ramp; the model runs along |
 //!
@@ -85,8 +85,17 @@ pub struct PeriodState {
     command: PerUnit,
     /// Command that the output holds, where that is certain.
     put_out: Option<PerUnit>,
-    /// Command of the next period in place of the loops'.
-    by_hand: Option<PerUnit>,
+    /// Command of the next period from elsewhere.
+    given: Option<Given>,
+}
+
+/// A command in place of a loop's, in units of 10 V.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Given {
+    /// For the output, in place of both loops'.
+    Output(PerUnit),
+    /// For the model, in place of the model loop's.
+    Model(PerUnit),
 }
 
 /// Why a rig does not begin.
@@ -144,7 +153,7 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             watched: MonitorState::AT_REST,
             command: limits.neutral,
             put_out: Some(limits.neutral),
-            by_hand: None,
+            given: None,
         };
         Ok(Self { devices, rig, control, state })
     }
@@ -166,7 +175,16 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
     ///
     /// For [commissioning](crate::commissioning). Loops that go on afterwards start from where they stood.
     pub fn put_out_by_hand(&mut self, command: PerUnit) {
-        self.state.by_hand = Some(command);
+        self.state.given = Some(Given::Output(command));
+    }
+
+    /// In the next period this command, in units of 10 V, drives the reference model in place of the set point, while the rod follows; the loops make the
+    /// machine do the same. What is wanted is then where the model is, with every check: within the bounds, with room to come to rest there at their
+    /// acceleration; else it is a fault of the set point, and the rod is held. In other modes it does nothing.
+    ///
+    /// A set point that goes on afterwards begins at [`Report::followed`], once that rests.
+    pub fn play(&mut self, command: PerUnit) {
+        self.state.given = Some(Given::Model(command));
     }
 
     /// Reads the voltage of a signal's input, between two periods; `None` where it has no sensor.
@@ -206,9 +224,10 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
 
         self.heed_faults(&mut found, &measured);
         let answer = self.obey(request, &measured, &mut found);
-        self.accept(request.set_point, &measured, &mut found);
+        let given = self.state.given.take();
+        self.accept(request.set_point, given, &measured, &mut found);
 
-        let command = self.command(&measured);
+        let command = self.command(given, &measured);
         self.put_out(command, &measured, &mut found);
 
         self.state.active_faults = found.active_faults;
@@ -348,10 +367,27 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         })
     }
 
+    /// Where the model is that a given command drives, or the fault of one that leaves the bounds.
+    fn driven(&self) -> Result<Followed, Fault> {
+        let motion @ SetPoint { position, velocity } = self.control.motion();
+        let driven = self.rig.limits.envelope.driven(&self.state.followed, motion);
+        driven.ok_or(Fault::SetPointOutside { position, velocity })
+    }
+
     /// Takes the set point while the rod follows, unless it is absurd; without one, the last comes to rest.
-    fn accept<L: Log>(&mut self, wanted: SetPoint, measured: &Measured, found: &mut Findings<'_, L>) {
+    fn accept<L: Log>(
+        &mut self,
+        wanted: SetPoint,
+        given: Option<Given>,
+        measured: &Measured,
+        found: &mut Findings<'_, L>,
+    ) {
         if self.state.mode == Mode::Following {
-            match self.next(&self.state.followed, wanted) {
+            let next = match given {
+                Some(Given::Model(_)) => self.driven(),
+                Some(Given::Output(_)) | None => self.next(&self.state.followed, wanted),
+            };
+            match next {
                 Ok(next) => self.state.followed = next,
                 Err(fault) => {
                     found.note(&fault);
@@ -365,16 +401,20 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
     }
 
     /// The command of this period.
-    fn command(&mut self, measured: &Measured) -> PerUnit {
+    fn command(&mut self, given: Option<Given>, measured: &Measured) -> PerUnit {
         let Limits { neutral, most_command, slew, ramp, .. } = self.rig.limits;
-        let (last, by_hand) = (self.state.command, self.state.by_hand.take());
-        match (self.state.mode, by_hand) {
-            (Mode::Starting, Some(command)) => command.limited(most_command),
+        let last = self.state.command;
+        match (self.state.mode, given) {
+            (Mode::Starting, Some(Given::Output(command))) => command.limited(most_command),
             (Mode::Starting | Mode::Neutral, _) => neutral,
-            (Mode::Following, Some(wanted)) => {
+            (Mode::Following, Some(Given::Output(wanted))) => {
                 let command = last + (wanted.limited(most_command) - last).limited(slew);
                 self.control.accompany(command, measured);
                 command
+            }
+            (Mode::Following, Some(Given::Model(wanted))) => {
+                let wanted = self.control.play(wanted, measured).limited(most_command);
+                last + (wanted - last).limited(slew)
             }
             (Mode::Following | Mode::Holding, _) => {
                 let wanted = self.control.follow(self.state.followed.at, measured).limited(most_command);

@@ -9,6 +9,9 @@
 //! |v* − (v* before)| ≤ acceleration·T                      nor does the velocity that is stated
 //! ```
 //!
+//! A model that is driven by a command accelerates as its valve permits. Its position and velocity are held within the bounds all the same, and so is the way
+//! on which it would come to rest: v*² / (2·acceleration).
+//!
 //! The first set point, with which following begins or goes on, may be as far from the rod as a stated jump, and begins at rest. Positions that are
 //! rounded to a resolution seem to move to and fro by it: the bounds of the paces are wider by 1 and 2 steps of it.
 
@@ -39,6 +42,8 @@ pub struct Envelope {
     gain: PerUnit,
     /// Velocity, of its base, that one stroke in a period is.
     per_pace: U16F16,
+    /// Way, in strokes, on which the velocity base comes to rest.
+    stop: U16F16,
 }
 
 /// Why a set point is refused.
@@ -90,6 +95,8 @@ impl Envelope {
             brake: Ord::max(strokes(turn_m), PerUnit::from_bits(1)),
             gain: PerUnit::saturated(acceleration * tick_s / velocity_m_per_s + ROUNDED_VELOCITY),
             per_pace: PerUnit::steep(stroke_m / (tick_s * velocity_m_per_s)).unwrap_or(U16F16::MAX),
+            stop: PerUnit::steep(velocity_m_per_s * velocity_m_per_s / (2.0 * acceleration * stroke_m))
+                .unwrap_or(U16F16::MAX),
         })
     }
 
@@ -129,6 +136,16 @@ impl Envelope {
         // A jump at the start is no motion that goes on.
         let pace = if followed.given { pace } else { PerUnit::ZERO };
         Ok(Followed { at: wanted, pace, given: true })
+    }
+
+    /// The motion of a model that a command drives, after `followed`; `None` where it leaves the bounds, or could not come to rest within them.
+    #[must_use]
+    pub fn driven(&self, followed: &Followed, motion: SetPoint) -> Option<Followed> {
+        let (here, SetPoint { position, velocity }) = (followed.at.position, motion);
+        let way = velocity.times(velocity).amplified(self.stop);
+        let ends = SetPoint { position: position + velocity.select_positive(way, -way), velocity };
+        let within = self.admits_from(here, motion) && self.admits_from(here, ends);
+        within.then_some(Followed { at: motion, pace: position - here, given: true })
     }
 
     /// A period later, where nothing new is wanted: the set point comes to rest at the permitted acceleration, within the bounds.
@@ -285,6 +302,25 @@ mod tests {
                 followed = envelope(0.0).next(&followed, course.step(&mut state), JUMP).unwrap();
             }
         }
+    }
+
+    #[test]
+    fn a_driven_model_is_followed_as_long_as_it_could_come_to_rest_within_the_bounds() {
+        // 50 mm/s are permitted, and 0.5 m/s²: 40 mm/s take 1.6 mm.
+        let driven = |position_m, velocity_m_per_s| {
+            envelope(0.0).driven(&given(0.15), at(position_m, velocity_m_per_s)).is_some()
+        };
+        assert!(driven(0.2883, 0.04) && !driven(0.2885, 0.04) && driven(0.2885, -0.04));
+        assert!(driven(0.0117, -0.04) && !driven(0.0115, -0.04) && driven(0.0115, 0.04));
+        assert!(driven(0.15, 0.0499) && !driven(0.15, 0.0501) && !driven(0.15, -0.0501));
+        assert!(!driven(0.2901, 0.0) && !driven(1e9, 1e9) && !driven(-1e9, -1e9));
+        // It brakes from where and as fast as the model was.
+        let mut followed = envelope(0.0).driven(&given(0.15), at(0.150_03, 0.03)).unwrap();
+        while !followed.rests() {
+            followed = envelope(0.0).braked(&followed);
+        }
+        let ran_m = followed.at.position.to_f64() * 0.3 - 0.150_03;
+        assert!((ran_m - 0.9e-3).abs() < 0.05e-3, "{ran_m}");
     }
 
     #[test]

@@ -80,6 +80,13 @@ impl Control for Wanting {
         self.0.borrow_mut().set_point = Some(set_point);
         self.0.borrow().wanted
     }
+    fn play(&mut self, command: PerUnit, _: &Measured) -> PerUnit {
+        command
+    }
+    fn motion(&self) -> SetPoint {
+        let Predicted { position, velocity, .. } = self.0.borrow().predicted;
+        SetPoint { position, velocity }
+    }
     fn accompany(&mut self, _: PerUnit, _: &Measured) {}
     fn spool_off(&self, _: &Measured) -> Option<PerUnit> {
         self.0.borrow().spool_off
@@ -236,6 +243,7 @@ pub(crate) trait Steps {
     fn step(&mut self, request: &Request, log: &mut Told) -> Report;
     fn home(&mut self, position: PerUnit) -> bool;
     fn put_out_by_hand(&mut self, command: PerUnit);
+    fn play(&mut self, command: PerUnit);
     fn state(&self) -> PeriodState;
     fn restore(&mut self, state: &PeriodState);
 }
@@ -249,6 +257,9 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Steps for Period<A, P
     }
     fn put_out_by_hand(&mut self, command: PerUnit) {
         Period::put_out_by_hand(self, command);
+    }
+    fn play(&mut self, command: PerUnit) {
+        Period::play(self, command);
     }
     fn state(&self) -> PeriodState {
         *Period::state(self)

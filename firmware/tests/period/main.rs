@@ -196,6 +196,31 @@ fn a_period_that_was_not_healthy_takes_the_valves_current_until_a_command_gives_
 }
 
 #[test]
+fn a_model_that_is_driven_is_what_is_wanted_and_the_rod_is_held_where_it_would_leave_the_bounds() {
+    let mut bench = Bench::following();
+    let moves_to = |bench: &mut Bench, position: i32| {
+        bench.world.borrow_mut().predicted.position = percent(position);
+        bench.period.play(percent(49));
+        bench.command(None)
+    };
+    // The set point that is sent meanwhile does not count.
+    bench.request.set_point.position = percent(101);
+    let report = moves_to(&mut bench, 31);
+    assert_eq!((report.mode, report.followed.position), (Mode::Following, percent(31)));
+    assert!(report.command <= percent(49) && report.command > percent(0), "{:?}", report.command);
+    assert_eq!(moves_to(&mut bench, 32).followed.position, percent(32));
+    assert_eq!(bench.told.faults, []);
+    let held = moves_to(&mut bench, 101);
+    assert_eq!(held.mode, Mode::Holding);
+    assert!(matches!(bench.told.faults[..], [Fault::SetPointOutside { .. }]), "{:?}", bench.told.faults);
+    assert!(held.followed.position < percent(40), "{:?}", held.followed);
+    // It is given for one period, and does nothing in another mode.
+    let report = moves_to(&mut bench, 33);
+    assert_eq!(report.mode, Mode::Holding);
+    assert_ne!(report.followed.position, percent(33));
+}
+
+#[test]
 fn more_severe_faults_overtake_and_less_severe_ones_do_not_soften() {
     let mut bench = Bench::following();
     bench.request.set_point.position = percent(101);

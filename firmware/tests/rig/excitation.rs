@@ -15,11 +15,11 @@ use crate::following::plant;
 use crate::parts::{Adc, Counter, Dac, Wire};
 use crate::world::{STROKE_M, World};
 
-const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
+pub(crate) const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
 /// Where the rod stands, mm.
 const START_MM: f64 = 120.0;
 
-type TheDesk<'a> = Desk<
+pub(crate) type TheDesk<'a> = Desk<
     'a,
     firmware::io::ads8688::Ads8688<Wire<Adc>>,
     firmware::io::ls7366r::Ls7366r<Wire<Counter>>,
@@ -27,47 +27,51 @@ type TheDesk<'a> = Desk<
 >;
 
 /// A press with its desk.
-struct Hall<'a> {
-    world: World,
-    desk: TheDesk<'a>,
-    told: Told,
+pub(crate) struct Hall<'a> {
+    pub(crate) world: World,
+    pub(crate) desk: TheDesk<'a>,
+    pub(crate) told: Told,
 }
 
 impl<'a> Hall<'a> {
     /// At rest, and not yet following.
     fn new(memory: &'a mut Option<Ring>) -> Self {
-        let world = World::of_press(plant(&press::machine()));
+        Self::with(World::of_press(plant(&press::machine())), BY_HAND, memory)
+    }
+
+    /// The same with another press, or bounds.
+    pub(crate) fn with(world: World, bounds: Bounds, memory: &'a mut Option<Ring>) -> Self {
         let delay = &mut embedded_hal_mock::eh1::delay::NoopDelay::new();
         let (inputs, counter, output) = world.wires();
         let station: Wired<'_, _, _, _> = wired(inputs, counter, output, delay, memory).unwrap();
-        let mut hall = Self { world, desk: Desk::new(station, BY_HAND), told: Told::default() };
+        let mut hall = Self { world, desk: Desk::new(station, bounds), told: Told::default() };
         hall.run(200);
         hall
     }
 
-    fn following(memory: &'a mut Option<Ring>) -> Self {
+    pub(crate) fn following(memory: &'a mut Option<Ring>) -> Self {
         let mut hall = Self::new(memory);
         hall.types("120zn f").unwrap();
         assert_eq!(hall.run(2500).mode, Mode::Following);
         hall
     }
 
-    fn types(&mut self, keys: &str) -> Result<(), DeskError> {
+    pub(crate) fn types(&mut self, keys: &str) -> Result<(), DeskError> {
         keys.bytes().try_for_each(|key| self.desk.key(key))
     }
 
-    fn period(&mut self) -> Report {
+    pub(crate) fn period(&mut self) -> Report {
         let report = self.desk.step(Timing::Kept, &mut self.told);
         self.world.tick();
         report
     }
 
-    fn run(&mut self, periods: u32) -> Report {
+    pub(crate) fn run(&mut self, periods: u32) -> Report {
         (0..periods).map(|_| self.period()).last().unwrap()
     }
 
     /// The record: rows of command (10 V), spool, both pressures, position (stroke).
-    fn record(&mut self) -> Vec<[f64; 5]> {
+    pub(crate) fn record(&mut self) -> Vec<[f64; 5]> {
         self.types("d").unwrap();
         let mut reader = FrameReader::new();
         let frames: Vec<_> = std::iter::from_fn(|| self.desk.byte()).filter_map(|byte| reader.take(byte)).collect();
@@ -203,10 +207,10 @@ fn it_begins_only_while_the_rod_follows_at_rest_with_room_on_either_side_and_out
 
     let mut memory = None;
     let mut hall = Hall::following(&mut memory);
-    let most = press::EXCITATIONS.len();
+    let most = press::EXCITATIONS.len() + 1;
     assert_eq!(hall.types("e"), Err(OperatorError::NoExcitation { most }.into()));
     assert_eq!(hall.types("0e"), Err(OperatorError::NoExcitation { most }.into()));
-    assert_eq!(hall.types("4e"), Err(OperatorError::NoExcitation { most }.into()));
+    assert_eq!(hall.types("5e"), Err(OperatorError::NoExcitation { most }.into()));
     // 2 mm from the bound, where the sweep may need 10.
     hall.types("12g").unwrap();
     hall.run(8000);

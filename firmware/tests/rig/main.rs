@@ -6,6 +6,7 @@ mod excitation;
 mod failing;
 mod following;
 mod parts;
+mod plan;
 mod power;
 mod runaway;
 mod world;
@@ -48,6 +49,12 @@ impl Control for Proportional {
         }
         let overlap = PerUnit::saturated(OVERLAP / GAIN_PER_V / 10.0);
         self.neutral + apart.select_positive(overlap, -overlap) + apart + apart + apart
+    }
+    fn play(&mut self, command: PerUnit, _: &Measured) -> PerUnit {
+        command
+    }
+    fn motion(&self) -> SetPoint {
+        SetPoint { position: PerUnit::ZERO, velocity: PerUnit::ZERO }
     }
     fn accompany(&mut self, _: PerUnit, _: &Measured) {}
 }

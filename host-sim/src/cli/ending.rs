@@ -23,12 +23,12 @@ pub(crate) const PAGE: Kind = Kind { what: "an HTML page", endings: &["html", "h
 pub(crate) const DOCUMENT: Kind = Kind { what: "JSON", endings: &["json"] };
 /// A machine file.
 pub(crate) const MACHINE: Kind = Kind { what: "a machine file", endings: &["toml"] };
+/// Source that the firmware takes in.
+pub(crate) const SOURCE: Kind = Kind { what: "Rust source", endings: &["rs"] };
 
 /// Endings of formats that are never written, or by another command.
-const OTHERS: [&str; 17] = [
-    "xlsx", "xls", "ods", "mf4", "pdf", "png", "jpg", "jpeg", "doc", "docx", "fmu", "h", "rs", "zip", "xml", "yaml",
-    "yml",
-];
+const OTHERS: [&str; 16] =
+    ["xlsx", "xls", "ods", "mf4", "pdf", "png", "jpg", "jpeg", "doc", "docx", "fmu", "h", "zip", "xml", "yaml", "yml"];
 
 /// Whether the path means standard output.
 pub(crate) fn is_standard_output(path: &Path) -> bool {
@@ -42,7 +42,7 @@ pub(crate) fn check_ending(option: &'static str, path: &Path, kind: Kind) -> Res
         return Err(CliError::Dash { option });
     }
     let is_stream = path.metadata().is_ok_and(|file| !file.is_file() && !file.is_dir());
-    let written = [RECORDING, DRAWING, PAGE, DOCUMENT, MACHINE];
+    let written = [RECORDING, DRAWING, PAGE, DOCUMENT, MACHINE, SOURCE];
     let formats =
         written.iter().flat_map(|kind| kind.endings).chain(&OTHERS).filter(|known| !kind.endings.contains(known));
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();

@@ -21,6 +21,7 @@ use simulation::SimulateError;
 
 use super::command_line::{CommandLine, Mistyped, Part, split};
 use crate::frames::ImportError;
+use crate::played::PlayedError;
 
 #[cfg(feature = "virtual-plant")]
 use crate::paper::PaperError;
@@ -211,6 +212,14 @@ pub enum CliError {
         machine: PathBuf,
         /// Why.
         cause: PlanError,
+    },
+    /// A plan that the firmware cannot play.
+    #[error("{machine}: --firmware: {cause}")]
+    Played {
+        /// The machine file.
+        machine: PathBuf,
+        /// Why.
+        cause: PlayedError,
     },
     /// A sensor given as text.
     #[error("--sensors: {0}")]

@@ -15,10 +15,11 @@ use report::plot;
 use simulation::{InputPoint, Stimulus};
 
 use super::console::Console;
-use super::ending::{DOCUMENT, DRAWING, TEXT};
+use super::ending::{DOCUMENT, DRAWING, SOURCE, TEXT};
 use super::error::CliError;
 use super::target::{check_targets, write};
 use super::{Outcome, input};
+use crate::played::Played;
 
 /// Arguments of `plan`.
 #[derive(Clone, Debug, clap::Args)]
@@ -26,12 +27,14 @@ use super::{Outcome, input};
   host-sim plan --machine M.toml --sensors position:0.05mm,pressure_a:0.2bar,pressure_b:0.2bar
   host-sim plan --machine M.toml --sensors position --input \"random:10V\" --out excitation.csv --plot matrix.svg
   host-sim plan --machine M.toml --recording first.csv
+  host-sim plan --machine M.toml --sensors spool,position,pressure_a,pressure_b --largest 4 --seconds 6 --firmware plan.rs
 
 Every effect is switched on in the model, as it usually is; what a refit would imitate is taken out; what is left decides whether it
 would be accepted, and which effects would pass for each other, by the rules of `diagnose`. Sensors are position, velocity, spool, flow,
 force, pressure_a, pressure_b, supply_pressure, each with the standard deviation of its noise (usual noise without). With
 --recording its sensors and their noise are those at hand. The excitation that separates most is the best choice of the standard tests
-within --seconds; --out writes it, time and command, for the controller to play. The rod starts at mid-stroke.")]
+within --seconds; --out writes it, time and command; --firmware writes it for the shipped firmware, whose reference model it drives
+while the loops make the drive follow. The rod starts at mid-stroke.")]
 pub struct Arguments {
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml")]
@@ -60,6 +63,9 @@ pub struct Arguments {
     /// Write the excitation that separates most (CSV)
     #[arg(long, value_name = "E.csv")]
     out: Option<PathBuf>,
+    /// Write it for the firmware, which plays it (Rust): build with `FIRMWARE_PLAN=E.rs`
+    #[arg(long, value_name = "E.rs", conflicts_with = "with_load")]
+    firmware: Option<PathBuf>,
     /// Write the plan for programs
     #[arg(long, value_name = "P.json")]
     json: Option<PathBuf>,
@@ -79,6 +85,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine]).cloned().collect();
     let targets = [
         ("--out", arguments.out.as_deref(), TEXT),
+        ("--firmware", arguments.firmware.as_deref(), SOURCE),
         ("--json", arguments.json.as_deref(), DOCUMENT),
         ("--plot", arguments.plot.as_deref(), DRAWING),
     ];
@@ -106,6 +113,12 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let plan = plan.map_err(|cause| CliError::Plan { machine: arguments.machine.clone(), cause })?;
     if let Some(path) = &arguments.out {
         excitation(&plan.excitation)?.write_csv(path, &[], &[])?;
+    }
+    if let Some(path) = &arguments.firmware {
+        let StandardTest { interval_s, command_v, .. } = &plan.excitation;
+        let played = Played::of(&file.name, &file.machine, *interval_s, command_v);
+        let played = played.map_err(|cause| CliError::Played { machine: arguments.machine.clone(), cause })?;
+        write(path, played.rust())?;
     }
     if let Some(path) = &arguments.json {
         write(path, format!("{:#}\n", report::plan::document(&file.name, &sensors, &plan)))?;

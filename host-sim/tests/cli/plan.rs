@@ -1,8 +1,10 @@
 //! What a recording will be able to show, before it is made.
 
+use firmware::app::press::PLAN;
+use firmware::excitation::plan::PlayState;
 use recording::{ChannelMap, Signal};
 
-use super::{done, example, folder_with, refused, run, text};
+use super::{done, example, folder_with, refused, root, run, text};
 
 #[test]
 fn a_plan_says_what_could_be_seen_and_writes_an_excitation_that_the_drive_can_play() {
@@ -46,6 +48,55 @@ fn a_plan_says_what_could_be_seen_and_writes_an_excitation_that_the_drive_can_pl
     assert!((position[0] - 0.15).abs() < 1e-6, "{}", position[0]);
     assert!(position.iter().all(|position| (0.0..=0.3).contains(position)));
     assert!(position.iter().any(|position| (position - 0.15).abs() > 0.01));
+}
+
+#[test]
+fn the_firmwares_own_plan_is_that_of_the_preset_and_holds_the_voltages_of_its_csv() {
+    let folder = tempfile::tempdir().unwrap();
+    let preset = root().join("presets/press-63-40.toml").display().to_string();
+    let sensors = "spool,position,pressure_a,pressure_b";
+    let asked = ["plan", "--machine", &preset, "--sensors", sensors, "--largest", "4", "--seconds", "6"];
+    done(folder.path(), &[&asked[..], &["--out", "plan.csv", "--firmware", "plan.rs"]].concat());
+    let written = std::fs::read_to_string(folder.path().join("plan.rs")).unwrap();
+    let committed = std::fs::read_to_string(root().join("firmware/plan.rs")).unwrap();
+    assert_eq!(
+        written,
+        committed,
+        "host-sim {} --firmware firmware/plan.rs, at the repository's root, renews it",
+        asked.join(" ").replace(&preset, "presets/press-63-40.toml")
+    );
+    // Row by row at the firmware's tick: within half a step of 10 V/2¹⁵. After the plan comes the neutral voltage.
+    let planned = recording::read(&folder.path().join("plan.csv"), &ChannelMap::default()).unwrap();
+    let (play, mut along) = (PLAN.by(planned.sample_interval_s()).unwrap(), PlayState::default());
+    let mut played = std::iter::from_fn(|| play.step(&mut along)).map(|command| 10.0 * command.to_f64());
+    let mut largest_v = 0.0_f64;
+    for (row, planned_v) in planned.signal(Signal::Command).unwrap().iter().enumerate() {
+        let played_v = played.next().unwrap();
+        assert!((played_v - planned_v).abs() <= 0.5 * 10.0 / 32_768.0 + 1e-12, "row {row}: {played_v} {planned_v}");
+        largest_v = largest_v.max(played_v.abs());
+    }
+    assert!((largest_v - PLAN.largest_v).abs() < 1e-12 && largest_v > 3.9, "{largest_v}");
+    let rest: Vec<f64> = played.collect();
+    assert!(rest.len() >= 50 && rest.iter().all(|volts| (volts + 0.6172).abs() < 2e-4), "{rest:?}");
+}
+
+#[test]
+fn what_the_firmware_cannot_play_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = example("machine.toml");
+    let plan = |more: &[&str]| {
+        let asked = ["plan", "--machine", &machine, "--sensors", "position", "--seconds", "5"];
+        let message = refused(folder.path(), &[&asked[..], more].concat());
+        assert!(!folder.path().join("plan.rs").exists());
+        message
+    };
+    let message = plan(&["--firmware", "plan.rs", "--largest", "12"]);
+    assert!(message.contains("--firmware: ") && message.contains("V in row "), "{message}");
+    assert!(message.contains("expected at most 10 V, as the output of the firmware gives"), "{message}");
+    let message = plan(&["--firmware", "plan.csv"]);
+    assert!(message.contains("plan.csv") && message.contains(".rs"), "{message}");
+    let message = plan(&["--firmware", "plan.rs", "--with-load"]);
+    assert!(message.contains("--with-load"), "{message}");
 }
 
 #[test]

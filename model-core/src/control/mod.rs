@@ -3,7 +3,8 @@
 //! Two loops (S. Skoczowski, S. Domek, K. Pietrusewicz: *Model-following control with two PID controllers*; the paper's
 //! introduction names the method for changing loads). The *model loop* closes around the reference model, which has neither
 //! noise nor disturbance, so it may be as fast as the valve allows; its command goes to the machine as well. The *process loop*
-//! sees only the difference between model and machine, and corrects it.
+//! sees only the difference between model and machine, and corrects it. A planned excitation takes the place of the model loop
+//! ([`Follower::driven_command`]).
 //!
 //! ```text
 //! model loop     v = v* + lead·dv*/dt + K·(y* − y_model) − damping·(fast part of F)
@@ -207,6 +208,17 @@ impl<N: Scalar> Follower<N> {
         let spool = self.overlap.spool(self.overlap.opened(self.orifice.opening(velocity, drop)));
         let hastened = spool + (spool - (model.spool - self.middle)).amplified(self.spool_gain);
         state.model_command = self.delivered(state.model_command, hastened);
+        state.model_command
+    }
+
+    /// In place of the model loop: the command, in 10 V, for a model that is driven by `wanted`, such as a planned excitation; within slew and limit. The
+    /// model loop's filters go along, so that it can go on from where the model is.
+    #[inline]
+    pub fn driven_command(&self, state: &mut FollowState<N>, wanted: N, model: &Predicted<N>) -> N {
+        state.velocity = state.velocity + N::dot([self.lead_share], [model.velocity - state.velocity]);
+        let change = self.orifice.force(pressures(model)) - state.model_force;
+        state.model_force = state.model_force + N::dot([self.load_share], [change]);
+        state.model_command = self.limited(state.model_command, wanted);
         state.model_command
     }
 

@@ -95,6 +95,42 @@ fn a_machine_that_is_where_the_model_is_gets_the_models_command() {
 }
 
 #[test]
+fn a_driven_model_gets_its_command_by_the_slew_and_within_the_limit() {
+    let follower = follower();
+    let model = resting(0.4);
+    let mut state = follower.at_rest(&model, &seen_as(&model));
+    let from_v = volts(follower.neutral());
+    // 2000 V/s are 2 V in a tick.
+    for expected_v in [from_v - 2.0, from_v - 4.0, -6.0, -6.0] {
+        let command = follower.driven_command(&mut state, PerUnit::saturated(-0.6), &model);
+        assert!((volts(command) - expected_v).abs() < 1e-5, "{command:?} {expected_v}");
+    }
+    for _ in 0..10 {
+        follower.driven_command(&mut state, PerUnit::from_bits(i32::MIN), &model);
+    }
+    assert!((volts(state.model_command) + 10.0).abs() < 1e-6, "{:?}", state.model_command);
+}
+
+#[test]
+fn after_a_model_was_driven_its_loop_goes_on_as_fast_as_it_moves() {
+    let follower = follower();
+    let model = Predicted { velocity: PerUnit::saturated(0.1), ..resting(0.4) };
+    let wanted = SetPoint { position: model.position, velocity: model.velocity };
+    let mut led = follower.at_rest(&model, &seen_as(&model));
+    for _ in 0..2000 {
+        follower.model_command(&mut led, wanted, &model);
+    }
+    let mut driven = follower.at_rest(&model, &seen_as(&model));
+    for _ in 0..2000 {
+        follower.driven_command(&mut driven, led.model_command, &model);
+    }
+    let [led, driven] = [led, driven].map(|mut state| volts(follower.model_command(&mut state, wanted, &model)));
+    assert!((led - driven).abs() < 1e-4, "{led} {driven}");
+    // It is not the neutral command.
+    assert!(led > volts(follower.neutral()) + 0.5, "{led}");
+}
+
+#[test]
 fn the_integral_stands_still_while_the_output_is_held_and_turns_back_at_once() {
     let follower = follower();
     let model = resting(0.9);
