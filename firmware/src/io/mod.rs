@@ -25,7 +25,7 @@ use core::fmt::Debug;
 
 pub use blocking::device::{AnalogIn, AnalogOut, PositionIn};
 
-/// Over buses that block.
+/// Over buses that block. The source is that of `asynchronous`, from which `twice` takes `async` and `.await`; its `AFIT` means plain async functions in traits.
 #[path = "twice"]
 mod blocking {
     use embedded_hal::delay::DelayNs;
