@@ -55,17 +55,31 @@ impl<SPI> ErrorType for Failing<SPI> {
     type Error = ErrorKind;
 }
 
+impl<SPI> Failing<SPI> {
+    /// Counts a transaction.
+    fn next(&mut self) -> Result<(), ErrorKind> {
+        let fails = self.left == Some(0);
+        self.left = self.left.and_then(|left| left.checked_sub(1));
+        if fails { Err(ErrorKind::Other) } else { Ok(()) }
+    }
+}
+
 impl<SPI: SpiDevice<Error = ErrorKind>> SpiDevice for Failing<SPI> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
-        match self.left {
-            Some(0) => {
-                self.left = None;
-                Err(ErrorKind::Other)
-            }
-            left => {
-                self.left = left.map(|left| left - 1);
-                self.spi.transaction(operations)
-            }
-        }
+        self.next()?;
+        self.spi.transaction(operations)
     }
+}
+
+#[cfg(feature = "async")]
+impl<SPI: embedded_hal_async::spi::SpiDevice<Error = ErrorKind>> embedded_hal_async::spi::SpiDevice for Failing<SPI> {
+    async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
+        self.next()?;
+        self.spi.transaction(operations).await
+    }
+}
+
+/// What `block_on` is where nothing is awaited.
+pub(crate) fn done<T>(value: T) -> T {
+    value
 }

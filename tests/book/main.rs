@@ -7,6 +7,7 @@ mod crates;
 mod cycles;
 mod effects;
 mod links;
+mod programs;
 mod table;
 
 use std::path::PathBuf;

@@ -11,6 +11,7 @@ mod image;
 mod log;
 mod overflow;
 mod parity;
+mod runtimes;
 mod sequences;
 mod trials;
 #[cfg(unix)]

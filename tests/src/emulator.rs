@@ -86,6 +86,19 @@ impl Processor {
         printed(self.cargo("run", binary, "").envs(taken.iter().copied()))
     }
 
+    /// What a program prints that has a lock file of its own, in a folder of `firmware/boards`.
+    ///
+    /// # Panics
+    /// It cannot be built, or it fails.
+    #[must_use]
+    pub fn run_program(self, folder: &str) -> String {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(["run", "--quiet", "--release", "--locked", "--target", self.target(), "--target-dir"]);
+        cargo.arg(built_in("boards")).stdin(Stdio::null());
+        let boards = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/boards");
+        printed(cargo.current_dir(boards.join(folder)))
+    }
+
     /// The image of a binary that logs by defmt, and the bytes of its log.
     ///
     /// # Panics

@@ -21,27 +21,26 @@
 //! of the third, so no configuration could be checked; by its own statement reading was never tried; and it links
 //! embedded-hal-async and defmt 0.3 into every build.
 
-use embedded_hal::delay::DelayNs;
-use embedded_hal::spi::SpiDevice;
+use crate::io::{Cause, IoError};
 
-use crate::io::{AnalogOut, Cause, IoError};
+pub use super::blocking::ad5754::Ad5754;
 
 /// Register and address bits of the first byte.
-const RANGE: u8 = 0x08;
-const POWER: u8 = 0x10;
-const CONTROL: u8 = 0x19;
-const NOP: u8 = 0x18;
+pub(super) const RANGE: u8 = 0x08;
+pub(super) const POWER: u8 = 0x10;
+pub(super) const CONTROL: u8 = 0x19;
+pub(super) const NOP: [u8; 3] = [0x18, 0, 0];
 const READ: u8 = 0x80;
 /// Output range: ±10 V.
-const BIPOLAR_10_V: u16 = 4;
+pub(super) const BIPOLAR_10_V: u16 = 4;
 /// Control: an output that is too hot is shut down; a shorted output is held at 20 mA and reported.
-const PROTECTED: u16 = 0b1100;
+pub(super) const PROTECTED: u16 = 0b1100;
 /// Power control.
-const REFERENCE_UP: u16 = 1 << 4;
+pub(super) const REFERENCE_UP: u16 = 1 << 4;
 const TOO_HOT: u16 = 1 << 5;
 const FIRST_OVERCURRENT: u32 = 7;
 /// From powering up to the first code: 10 µs, doubled.
-const POWER_UP_US: u32 = 20;
+pub(super) const POWER_UP_US: u32 = 20;
 
 /// Outputs of the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,191 +119,45 @@ impl<E: core::fmt::Debug> IoError for Ad5754Error<E> {
     }
 }
 
-/// One output of the part, on its bus.
-#[derive(Debug)]
-pub struct Ad5754<SPI> {
-    spi: SPI,
-    channel: Channel,
-    /// Power control value while the output is up.
-    powered: u16,
+/// The frame that writes a register.
+pub(super) fn writing(first: u8, data: u16) -> [u8; 3] {
+    let [high, low] = data.to_be_bytes();
+    [first, high, low]
 }
 
-impl<SPI: SpiDevice> Ad5754<SPI> {
-    /// First puts out `count`, whatever the part did before; then sets the part up, powers the output up and reads everything back.
-    ///
-    /// # Errors
-    /// The bus fails, a register does not read back as it was written, or the output is overloaded.
-    pub fn begin(
-        spi: SPI,
-        delay: &mut impl DelayNs,
-        channel: Channel,
-        reference: Reference,
-        count: i32,
-    ) -> Result<Self, Ad5754Error<SPI::Error>> {
-        let reference = if reference == Reference::Internal { REFERENCE_UP } else { 0 };
-        let mut part = Self { spi, channel, powered: reference | 1 << channel as u16 };
-        part.put_out(count)?;
-        part.send(CONTROL, PROTECTED)?;
-        part.send(RANGE | channel as u8, BIPOLAR_10_V)?;
-        part.send(POWER, part.powered)?;
-        delay.delay_us(POWER_UP_US);
-        part.confirm(Register::Control, CONTROL, 0b1111, PROTECTED)?;
-        part.confirm(Register::Range, RANGE | channel as u8, 0b111, BIPOLAR_10_V)?;
-        part.write(count)?;
-        Ok(part)
-    }
-
-    /// Gives the bus back.
-    pub fn release(self) -> SPI {
-        self.spi
-    }
-
-    fn send(&mut self, first: u8, data: u16) -> Result<(), Ad5754Error<SPI::Error>> {
-        let [high, low] = data.to_be_bytes();
-        self.spi.write(&[first, high, low]).map_err(Ad5754Error::Bus)
-    }
-
-    /// The code of the channel, held at the ends of its 16 bits.
-    fn put_out(&mut self, count: i32) -> Result<(), Ad5754Error<SPI::Error>> {
-        #[expect(clippy::cast_possible_truncation, reason = "held within 16 bits")]
-        let code = count.clamp(i16::MIN.into(), i16::MAX.into()) as i16;
-        self.send(self.channel as u8, code.cast_unsigned())
-    }
-
-    fn read(&mut self, first: u8) -> Result<u16, Ad5754Error<SPI::Error>> {
-        self.spi.write(&[READ | first, 0, 0]).map_err(Ad5754Error::Bus)?;
-        let mut answer = [0; 3];
-        self.spi.transfer(&mut answer, &[NOP, 0, 0]).map_err(Ad5754Error::Bus)?;
-        let [_, high, low] = answer;
-        Ok(u16::from_be_bytes([high, low]))
-    }
-
-    /// Whether the bits of `mask` read as they were written.
-    fn confirm(
-        &mut self,
-        register: Register,
-        first: u8,
-        mask: u16,
-        expected: u16,
-    ) -> Result<(), Ad5754Error<SPI::Error>> {
-        let found = self.read(first)?;
-        if found & mask == expected { Ok(()) } else { Err(Ad5754Error::Register { register, expected, found }) }
-    }
-
-    /// Whether the output is powered and not overloaded.
-    fn check(&mut self) -> Result<(), Ad5754Error<SPI::Error>> {
-        let found = self.read(POWER)?;
-        let overcurrent = 1 << (FIRST_OVERCURRENT + self.channel as u32);
-        // A line that is stuck high reads as power on for the other channels too, which were never powered up.
-        if found & 0b1_1111 != self.powered {
-            Err(Ad5754Error::Register { register: Register::Power, expected: self.powered, found })
-        } else if found & TOO_HOT != 0 {
-            Err(Ad5754Error::TooHot { found })
-        } else if found & overcurrent != 0 {
-            Err(Ad5754Error::Overcurrent { found })
-        } else {
-            Ok(())
-        }
-    }
+/// The frame that requests a register; a [`NOP`] is answered with it.
+pub(super) fn requesting(first: u8) -> [u8; 3] {
+    [READ | first, 0, 0]
 }
 
-impl<SPI: SpiDevice> AnalogOut for Ad5754<SPI> {
-    type Error = Ad5754Error<SPI::Error>;
-    const SPAN_UV: u32 = 20_000_000;
-
-    fn write(&mut self, count: i32) -> Result<(), Self::Error> {
-        self.put_out(count)?;
-        self.check()
-    }
+/// The frame that puts out a count, held at the ends of its 16 bits.
+pub(super) fn putting_out(channel: Channel, count: i32) -> [u8; 3] {
+    #[expect(clippy::cast_possible_truncation, reason = "held within 16 bits")]
+    let code = count.clamp(i16::MIN.into(), i16::MAX.into()) as i16;
+    writing(channel as u8, code.cast_unsigned())
 }
 
-#[cfg(test)]
-mod tests {
-    use std::vec::Vec;
+/// The data of an answer.
+pub(super) fn data([_, high, low]: [u8; 3]) -> u16 {
+    u16::from_be_bytes([high, low])
+}
 
-    use embedded_hal::spi::ErrorKind;
-    use embedded_hal_mock::eh1::delay::NoopDelay;
-    use embedded_hal_mock::eh1::spi::{Mock, Transaction};
+/// Whether the bits of `mask` read as they were written.
+pub(super) fn confirmed<E>(register: Register, mask: u16, expected: u16, found: u16) -> Result<(), Ad5754Error<E>> {
+    if found & mask == expected { Ok(()) } else { Err(Ad5754Error::Register { register, expected, found }) }
+}
 
-    use super::*;
-    use crate::mock::{Failing, asked, written};
-
-    fn read(first: u8, answer: [u8; 3]) -> Vec<Transaction<u8>> {
-        [written(&[first, 0, 0]), asked(&[0x18, 0, 0], &answer)].concat()
-    }
-
-    /// A write of −1 (−305 µV), and then the power control register's answer.
-    fn output(power: [u8; 3]) -> Vec<Transaction<u8>> {
-        [written(&[0x01, 0xFF, 0xFF]), read(0x90, power)].concat()
-    }
-
-    /// Channel B with the internal reference.
-    fn start(then: &[Vec<Transaction<u8>>]) -> Vec<Transaction<u8>> {
-        let start = [
-            written(&[0x01, 0x00, 0x05]), // code 5 before anything else
-            written(&[0x19, 0x00, 0x0C]),
-            written(&[0x09, 0x00, 0x04]),
-            written(&[0x10, 0x00, 0x12]),
-            read(0x99, [0x19, 0x00, 0x0C]),
-            read(0x89, [0x09, 0x00, 0x04]),
-            written(&[0x01, 0x00, 0x05]),
-            read(0x90, [0x10, 0x00, 0x12]),
-        ];
-        [start.concat(), then.concat()].concat()
-    }
-
-    fn part<SPI: SpiDevice>(spi: SPI) -> Result<Ad5754<SPI>, Ad5754Error<SPI::Error>> {
-        Ad5754::begin(spi, &mut NoopDelay::new(), Channel::B, Reference::Internal, 5)
-    }
-
-    #[test]
-    fn a_count_is_a_code_in_twos_complement_held_at_the_ends() {
-        let up = [0x10, 0x00, 0x12];
-        let frames = start(&[
-            output(up),
-            written(&[0x01, 0x7F, 0xFF]),
-            read(0x90, up),
-            written(&[0x01, 0x80, 0x00]),
-            read(0x90, up),
-        ]);
-        let mut part = part(Mock::new(&frames)).unwrap();
-        part.write(-1).unwrap();
-        part.write(40_000).unwrap();
-        part.write(i32::MIN).unwrap();
-        part.release().done();
-    }
-
-    #[test]
-    fn a_range_that_reads_otherwise_is_named() {
-        let mut frames = start(&[]);
-        frames.truncate(3 * 4 + 6);
-        let mut spi = Mock::new(&[frames, read(0x89, [0, 0, 0])].concat());
-        let refused = part(&mut spi).err();
-        assert_eq!(refused, Some(Ad5754Error::Register { register: Register::Range, expected: 4, found: 0 }));
-        spi.done();
-    }
-
-    #[test]
-    fn an_output_that_is_down_shorted_or_hot_is_an_error_of_the_write() {
-        let after = |power| {
-            let mut part = part(Mock::new(&start(&[output(power)]))).unwrap();
-            let refused = part.write(-1).unwrap_err();
-            part.release().done();
-            (refused, refused.cause())
-        };
-        let down = |found| Ad5754Error::Register { register: Register::Power, expected: 0x12, found };
-        assert_eq!(after([0, 0, 0]), (down(0), Cause::WrongAnswer { expected: 0x12, found: 0 }));
-        assert_eq!(after([0xFF, 0xFF, 0xFF]).0, down(0xFFFF));
-        assert_eq!(after([0, 0x01, 0x12]), (Ad5754Error::Overcurrent { found: 0x112 }, Cause::Overloaded));
-        assert_eq!(after([0, 0x00, 0x32]), (Ad5754Error::TooHot { found: 0x32 }, Cause::Overloaded));
-    }
-
-    #[test]
-    fn a_bus_error_is_handed_on_and_the_next_write_is_whole() {
-        let frames = start(&[output([0, 0, 0x12])]);
-        let mut part = part(Failing::at(Mock::new(&frames), 11)).unwrap();
-        assert_eq!(part.write(7), Err(Ad5754Error::Bus(ErrorKind::Other)));
-        assert_eq!(part.write(-1), Ok(()));
-        part.release().release().done();
+/// Whether the output is powered and not overloaded, by the power control register.
+pub(super) fn healthy<E>(channel: Channel, powered: u16, found: u16) -> Result<(), Ad5754Error<E>> {
+    let overcurrent = 1 << (FIRST_OVERCURRENT + channel as u32);
+    // A line that is stuck high reads as power on for the other channels too, which were never powered up.
+    if found & 0b1_1111 != powered {
+        Err(Ad5754Error::Register { register: Register::Power, expected: powered, found })
+    } else if found & TOO_HOT != 0 {
+        Err(Ad5754Error::TooHot { found })
+    } else if found & overcurrent != 0 {
+        Err(Ad5754Error::Overcurrent { found })
+    } else {
+        Ok(())
     }
 }

@@ -11,22 +11,21 @@
 //! |---|---|---|---|---|---|---|---|---|
 //! | byte | 30h | 88h | 90h | 20h | 48h | 50h | 60h | 70h |
 
-use embedded_hal::spi::SpiDevice;
+use crate::io::{Cause, IoError};
 
-use crate::io::{Cause, IoError, PositionIn};
+pub use super::blocking::ls7366r::Ls7366r;
 
-const CLEAR_COUNT: u8 = 0x20;
-const CLEAR_STATUS: u8 = 0x30;
-const READ_MODE_0: u8 = 0x48;
-const READ_MODE_1: u8 = 0x50;
-const READ_COUNT: u8 = 0x60;
-const READ_STATUS: u8 = 0x70;
-const WRITE_MODE_0: u8 = 0x88;
-const WRITE_MODE_1: u8 = 0x90;
+pub(super) const CLEAR_COUNT: [u8; 1] = [0x20];
+pub(super) const CLEAR_STATUS: [u8; 1] = [0x30];
+pub(super) const READ_COUNT: [u8; 5] = [0x60, 0, 0, 0, 0];
+pub(super) const READ_STATUS: [u8; 2] = [0x70, 0];
+/// Mode registers: number, and the instructions that write and read them.
+pub(super) const MODE_0: Mode = Mode { register: 0, write: 0x88, read: 0x48 };
+pub(super) const MODE_1: Mode = Mode { register: 1, write: 0x90, read: 0x50 };
 /// MDR0: four counts per period of the encoder, free running, index unused.
-const FOURFOLD: u8 = 0x03;
+pub(super) const FOURFOLD: u8 = 0x03;
 /// MDR1: four bytes, counting enabled, no flags.
-const FOUR_BYTES: u8 = 0x00;
+pub(super) const FOUR_BYTES: u8 = 0x00;
 /// STR: counting is enabled; the supply was lost.
 const ENABLED: u8 = 1 << 3;
 const LOST: u8 = 1 << 2;
@@ -85,145 +84,42 @@ impl<E: core::fmt::Debug> IoError for Ls7366rError<E> {
     }
 }
 
-/// The part on its bus.
-#[derive(Debug)]
-pub struct Ls7366r<SPI> {
-    spi: SPI,
+/// A mode register.
+#[derive(Clone, Copy)]
+pub(super) struct Mode {
+    register: u8,
+    write: u8,
+    read: u8,
 }
 
-impl<SPI: SpiDevice> Ls7366r<SPI> {
-    /// Sets the part up, reads its mode back and clears the count.
-    ///
-    /// # Errors
-    /// The bus fails, or the part does not answer as it must.
-    pub fn begin(spi: SPI, filter: FilterClock) -> Result<Self, Ls7366rError<SPI::Error>> {
-        let mut part = Self { spi };
-        part.instruct(&[CLEAR_STATUS])?;
-        part.set(0, [WRITE_MODE_0, READ_MODE_0], FOURFOLD | filter as u8)?;
-        part.set(1, [WRITE_MODE_1, READ_MODE_1], FOUR_BYTES)?;
-        part.instruct(&[CLEAR_COUNT])?;
-        part.check()?;
-        Ok(part)
+impl Mode {
+    pub(super) fn writing(self, value: u8) -> [u8; 2] {
+        [self.write, value]
     }
 
-    /// Gives the bus back.
-    pub fn release(self) -> SPI {
-        self.spi
+    pub(super) fn reading(self) -> [u8; 2] {
+        [self.read, 0]
     }
 
-    fn instruct(&mut self, bytes: &[u8]) -> Result<(), Ls7366rError<SPI::Error>> {
-        self.spi.write(bytes).map_err(Ls7366rError::Bus)
-    }
-
-    /// Sends an instruction and reads the bytes that answer it.
-    fn read<const BYTES: usize>(&mut self, bytes: [u8; BYTES]) -> Result<[u8; BYTES], Ls7366rError<SPI::Error>> {
-        let mut answer = [0; BYTES];
-        self.spi.transfer(&mut answer, &bytes).map_err(Ls7366rError::Bus)?;
-        Ok(answer)
-    }
-
-    /// Writes a mode register and reads it back.
-    fn set(&mut self, register: u8, [write, read]: [u8; 2], expected: u8) -> Result<(), Ls7366rError<SPI::Error>> {
-        self.instruct(&[write, expected])?;
-        let [_, found] = self.read([read, 0])?;
+    /// Whether it reads as it was written.
+    pub(super) fn confirmed<E>(self, expected: u8, [_, found]: [u8; 2]) -> Result<(), Ls7366rError<E>> {
+        let Self { register, .. } = self;
         if found == expected { Ok(()) } else { Err(Ls7366rError::Register { register, expected, found }) }
     }
+}
 
-    /// Whether the part still counts as it was set up.
-    fn check(&mut self) -> Result<(), Ls7366rError<SPI::Error>> {
-        let [_, status] = self.read([READ_STATUS, 0])?;
-        if status & LOST != 0 {
-            Err(Ls7366rError::PowerLost { status })
-        } else if status & ENABLED == 0 {
-            Err(Ls7366rError::Stopped { status })
-        } else {
-            Ok(())
-        }
+/// Whether the part still counts as it was set up, by its status.
+pub(super) fn counts<E>([_, status]: [u8; 2]) -> Result<(), Ls7366rError<E>> {
+    if status & LOST != 0 {
+        Err(Ls7366rError::PowerLost { status })
+    } else if status & ENABLED == 0 {
+        Err(Ls7366rError::Stopped { status })
+    } else {
+        Ok(())
     }
 }
 
-impl<SPI: SpiDevice> PositionIn for Ls7366r<SPI> {
-    type Error = Ls7366rError<SPI::Error>;
-
-    fn count(&mut self) -> Result<i32, Self::Error> {
-        self.check()?;
-        let [_, count @ ..] = self.read([READ_COUNT, 0, 0, 0, 0])?;
-        Ok(i32::from_be_bytes(count))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::vec::Vec;
-
-    use embedded_hal::spi::ErrorKind;
-    use embedded_hal_mock::eh1::spi::{Mock, Transaction};
-
-    use super::*;
-    use crate::mock::{Failing, asked, written};
-
-    fn start() -> Vec<Transaction<u8>> {
-        [
-            written(&[0x30]),
-            written(&[0x88, 0x83]),
-            asked(&[0x48, 0], &[0, 0x83]),
-            written(&[0x90, 0x00]),
-            asked(&[0x50, 0], &[0, 0x00]),
-            written(&[0x20]),
-            status(0x08),
-        ]
-        .concat()
-    }
-
-    fn status(found: u8) -> Vec<Transaction<u8>> {
-        asked(&[0x70, 0], &[0, found])
-    }
-
-    #[test]
-    fn a_count_is_four_bytes_highest_first_with_sign() {
-        let frames = [
-            start(),
-            status(0x0A),
-            asked(&[0x60, 0, 0, 0, 0], &[0, 0x00, 0x00, 0x38, 0x40]),
-            status(0x49),
-            asked(&[0x60, 0, 0, 0, 0], &[0, 0xFF, 0xFF, 0xFF, 0xFE]),
-        ];
-        let mut part = Ls7366r::begin(Mock::new(&frames.concat()), FilterClock::Halved).unwrap();
-        assert_eq!(part.count(), Ok(14_400));
-        assert_eq!(part.count(), Ok(-2));
-        part.release().done();
-    }
-
-    #[test]
-    fn a_mode_register_that_reads_otherwise_is_named() {
-        let frames = [written(&[0x30]), written(&[0x88, 0x03]), asked(&[0x48, 0], &[0, 0xFF])].concat();
-        let mut spi = Mock::new(&frames);
-        let refused = Ls7366r::begin(&mut spi, FilterClock::Undivided).err();
-        assert_eq!(refused, Some(Ls7366rError::Register { register: 0, expected: 3, found: 0xFF }));
-        spi.done();
-    }
-
-    #[test]
-    fn a_lost_supply_and_lines_that_hang_are_not_taken_for_a_count() {
-        let after = |found| {
-            let frames = [start(), status(found)].concat();
-            let mut part = Ls7366r::begin(Mock::new(&frames), FilterClock::Halved).unwrap();
-            let refused = part.count().unwrap_err();
-            part.release().done();
-            (refused, refused.cause())
-        };
-        assert_eq!(after(0x0C), (Ls7366rError::PowerLost { status: 0x0C }, Cause::PowerLost));
-        assert_eq!(after(0xFF), (Ls7366rError::PowerLost { status: 0xFF }, Cause::PowerLost));
-        let hangs_low = (Ls7366rError::Stopped { status: 0 }, Cause::WrongAnswer { expected: 8, found: 0 });
-        assert_eq!(after(0x00), hangs_low);
-    }
-
-    #[test]
-    fn a_bus_error_is_handed_on_and_the_next_reading_is_whole() {
-        let frames = [start(), status(0x08), status(0x08), asked(&[0x60, 0, 0, 0, 0], &[0, 0, 0, 0, 5])].concat();
-        let mut part = Ls7366r::begin(Failing::at(Mock::new(&frames), 8), FilterClock::Halved).unwrap();
-        assert_eq!(part.count(), Err(Ls7366rError::Bus(ErrorKind::Other)));
-        assert_eq!(part.count(), Ok(5));
-        part.release().release().done();
-    }
+/// The count in an answer, highest byte first.
+pub(super) fn count([_, count @ ..]: [u8; 5]) -> i32 {
+    i32::from_be_bytes(count)
 }

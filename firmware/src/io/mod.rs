@@ -23,6 +23,53 @@ pub mod ls7366r;
 
 use core::fmt::Debug;
 
+pub use blocking::device::{AnalogIn, AnalogOut, PositionIn};
+
+/// Over buses that block. The source is that of `asynchronous`, from which `twice` takes `async` and `.await`; its `AFIT` means plain async functions in traits.
+#[path = "twice"]
+mod blocking {
+    use embedded_hal::delay::DelayNs;
+    use embedded_hal::spi::SpiDevice;
+    use maybe_async::must_be_sync as twice;
+
+    #[cfg(test)]
+    use crate::mock::done as block_on;
+
+    pub(super) mod ad5754;
+    pub(super) mod ads8688;
+    pub(super) mod device;
+    pub(super) mod ls7366r;
+}
+
+/// The same traits and drivers over buses that are awaited: feature `async`.
+///
+/// They are compiled from the same source as the blocking ones: frames, their order and the checks of answers are the same. A closure ([`FromFn`]) answers at once
+/// here too, as a counter does that is a timer of the controller.
+#[cfg(feature = "async")]
+#[path = "twice"]
+#[expect(
+    async_fn_in_trait,
+    reason = "whether a future may change threads is the executor's concern; on a controller it stays"
+)]
+#[expect(clippy::duplicate_mod, reason = "one source of the protocol for both kinds of bus")]
+pub mod asynchronous {
+    use embedded_hal_async::delay::DelayNs;
+    use embedded_hal_async::spi::SpiDevice;
+    use maybe_async::must_be_async as twice;
+    #[cfg(test)]
+    use pollster::block_on;
+
+    mod ad5754;
+    mod ads8688;
+    mod device;
+    mod ls7366r;
+
+    pub use ad5754::Ad5754;
+    pub use ads8688::Ads8688;
+    pub use device::{AnalogIn, AnalogOut, PositionIn};
+    pub use ls7366r::Ls7366r;
+}
+
 /// Why a device did not do what was requested, in a form that a log can carry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -50,46 +97,6 @@ pub trait IoError: Debug {
     fn cause(&self) -> Cause;
 }
 
-/// An analogue input of one or more channels.
-pub trait AnalogIn {
-    /// Why there is no conversion.
-    type Error: IoError;
-    /// What 2¹⁶ counts are, in µV.
-    const SPAN_UV: u32;
-
-    /// One conversion of one channel, in counts; 0 is 0 V.
-    ///
-    /// # Errors
-    /// The device does not answer, or gives a wrong answer.
-    fn convert(&mut self, channel: u8) -> Result<i32, Self::Error>;
-}
-
-/// An analogue output.
-pub trait AnalogOut {
-    /// Why nothing was put out.
-    type Error: IoError;
-    /// What 2¹⁶ counts are, in µV.
-    const SPAN_UV: u32;
-
-    /// Puts out a count, and holds it until the next; 0 is 0 V. Beyond its range the device puts out the range's end.
-    ///
-    /// # Errors
-    /// The device does not answer, or gives a wrong answer.
-    fn write(&mut self, count: i32) -> Result<(), Self::Error>;
-}
-
-/// A position as a count that wraps around: after `i32::MAX` comes `i32::MIN`.
-pub trait PositionIn {
-    /// Why there is no count.
-    type Error: IoError;
-
-    /// The count now.
-    ///
-    /// # Errors
-    /// The device does not answer, or gives a wrong answer.
-    fn count(&mut self) -> Result<i32, Self::Error>;
-}
-
 /// A closure as an input or output: `FnMut(u8) -> Result<i32, E>`, `FnMut(i32) -> Result<(), E>` or `FnMut() -> Result<i32, E>`.
 ///
 /// `SPAN_UV` is what 2¹⁶ counts are, in µV; a position has none.
@@ -105,44 +112,6 @@ pub struct Foreign<E>(pub E);
 impl<E: Debug> IoError for Foreign<E> {
     fn cause(&self) -> Cause {
         Cause::Bus
-    }
-}
-
-impl<F, E, const SPAN_UV: u32> AnalogIn for FromFn<F, SPAN_UV>
-where
-    F: FnMut(u8) -> Result<i32, E>,
-    E: Debug,
-{
-    type Error = Foreign<E>;
-    const SPAN_UV: u32 = SPAN_UV;
-
-    fn convert(&mut self, channel: u8) -> Result<i32, Self::Error> {
-        (self.0)(channel).map_err(Foreign)
-    }
-}
-
-impl<F, E, const SPAN_UV: u32> AnalogOut for FromFn<F, SPAN_UV>
-where
-    F: FnMut(i32) -> Result<(), E>,
-    E: Debug,
-{
-    type Error = Foreign<E>;
-    const SPAN_UV: u32 = SPAN_UV;
-
-    fn write(&mut self, count: i32) -> Result<(), Self::Error> {
-        (self.0)(count).map_err(Foreign)
-    }
-}
-
-impl<F, E> PositionIn for FromFn<F>
-where
-    F: FnMut() -> Result<i32, E>,
-    E: Debug,
-{
-    type Error = Foreign<E>;
-
-    fn count(&mut self) -> Result<i32, Self::Error> {
-        (self.0)().map_err(Foreign)
     }
 }
 

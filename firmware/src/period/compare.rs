@@ -4,13 +4,12 @@ use model_core::number::{Number, PerUnit};
 
 use super::{Period, Place};
 use crate::control::{Control, Predicted};
-use crate::io::{AnalogIn, AnalogOut, PositionIn};
 use crate::measured::Measured;
 use crate::monitor::{Innovation, Miss};
 use crate::supervision::deviating::Now;
 use crate::supervision::{Fault, Findings, Log, Mode, Response};
 
-impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
+impl<A, P, O, C: Control> Period<A, P, O, C> {
     /// Compares the sensors with the model, and the spool with that of the valve's model, from which it is `spool_off`; the alarm is a fault, unless it is ignored.
     pub(super) fn monitor<L: Log>(
         &mut self,

@@ -20,22 +20,50 @@
 //! restart may cure the cause of such a period. It cannot cure a broken sensor, and would lose the recorder's contents: such faults lead
 //! to their own modes, and the watchdog is still fed.
 
+#[cfg(feature = "async")]
+mod awaited;
 mod compare;
+mod decide;
 mod report;
 
 use model_core::number::{Number, PerUnit};
 
-use crate::control::{Control, Predicted};
-use crate::io::{AnalogIn, AnalogOut, IoError, PositionIn};
-use crate::measured::{AnalogSignal, Measured};
+use self::blocking::devices::{convert, count, put_out, sample, write};
+use crate::control::Control;
+use crate::io::{AnalogIn, AnalogOut, PositionIn};
+use crate::measured::AnalogSignal;
 use crate::monitor::{Monitor, MonitorState};
 use crate::scaling::{Calibration, Travel};
-use crate::set_point::{Followed, Refusal, SetPoint};
+use crate::set_point::Followed;
 use crate::supervision::deviating::Deviating;
-use crate::supervision::sense::{Expected, Senses, apart, ask, sorted};
-use crate::supervision::{
-    Action, ActiveFaults, Command, Device, Event, Fault, Findings, Limits, LimitsError, Log, Mode, Response,
-};
+use crate::supervision::sense::Senses;
+use crate::supervision::{ActiveFaults, Limits, LimitsError, Log, Mode, Response};
+
+/// What is asked of devices that block.
+#[path = "."]
+mod blocking {
+    use maybe_async::must_be_sync as twice;
+
+    use crate::io::{AnalogIn, AnalogOut, PositionIn};
+    #[cfg(test)]
+    use crate::mock::done as block_on;
+
+    pub(super) mod devices;
+}
+
+/// What is asked of devices that are awaited.
+#[cfg(feature = "async")]
+#[path = "."]
+#[expect(clippy::duplicate_mod, reason = "one source for both kinds of devices")]
+mod asynchronous {
+    use maybe_async::must_be_async as twice;
+    #[cfg(test)]
+    use pollster::block_on;
+
+    use crate::io::asynchronous::{AnalogIn, AnalogOut, PositionIn};
+
+    pub(super) mod devices;
+}
 
 pub use report::{Answer, InputVoltage, Place, Report, Request, Timing, Watchdog};
 
@@ -113,6 +141,14 @@ pub enum BeginError<P, O> {
     Output(O),
 }
 
+impl Rig {
+    /// The output's count at which the valve is neutral, if the limits are valid.
+    fn neutral(&self) -> Result<i32, LimitsError> {
+        self.limits.check()?;
+        Ok(self.calibration.output.count(self.limits.neutral))
+    }
+}
+
 /// The control period of a rig.
 #[derive(Debug)]
 pub struct Period<A, P, O, C> {
@@ -134,11 +170,35 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         control: C,
         place: Place,
     ) -> Result<Self, BeginError<P::Error, O::Error>> {
-        let limits = &rig.limits;
-        limits.check()?;
-        let neutral = rig.calibration.output.count(limits.neutral);
-        ask(limits.attempts, || devices.output.write(neutral)).map_err(BeginError::Output)?;
-        let count = ask(limits.attempts, || devices.position.count()).map_err(BeginError::Position)?;
+        let attempts = rig.limits.attempts;
+        write(attempts, &mut devices.output, rig.neutral()?).map_err(BeginError::Output)?;
+        let count = count(attempts, &mut devices.position, |_| true).map_err(BeginError::Position)?;
+        Ok(Self::at(devices, &rig, control, place, count))
+    }
+
+    /// One period, called once a tick.
+    pub fn step(&mut self, request: &Request, log: &mut impl Log) -> Report {
+        let sample = sample(&mut self.devices, &self.rig, &self.state.senses.travel);
+        let decided = self.decide(request, &sample, log);
+        let neutral = self.neutral();
+        let done = put_out(self.rig.limits.attempts, &mut self.devices.output, decided.count, neutral);
+        self.conclude(decided, done)
+    }
+
+    /// Reads the voltage of a signal's input, between two periods; `None` where it has no sensor.
+    ///
+    /// # Errors
+    /// The inputs do not answer.
+    pub fn voltage(&mut self, signal: AnalogSignal) -> Result<Option<InputVoltage>, A::Error> {
+        let Some(row) = self.rig.calibration.row(signal) else { return Ok(None) };
+        let count = convert(self.rig.limits.attempts, &mut self.devices.inputs, row.channel())?;
+        Ok(Some(InputVoltage::of(signal, row, count, A::SPAN_UV)))
+    }
+}
+
+impl<A, P, O, C: Control> Period<A, P, O, C> {
+    /// At the start, with the counter at this count.
+    fn at(devices: Devices<A, P, O>, rig: &Rig, control: C, place: Place, count: i32) -> Self {
         let state = PeriodState {
             mode: Mode::Starting,
             active_faults: ActiveFaults::NONE,
@@ -151,11 +211,11 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
             followed: Followed::resting(PerUnit::ZERO),
             deviating: Deviating::NEW,
             watched: MonitorState::AT_REST,
-            command: limits.neutral,
-            put_out: Some(limits.neutral),
+            command: rig.limits.neutral,
+            put_out: Some(rig.limits.neutral),
             given: None,
         };
-        Ok(Self { devices, rig, control, state })
+        Self { devices, rig: *rig, control, state }
     }
 
     /// Sets the rod's present position to `position`, as a share of the stroke. Accepted only while the valve is neutral; returns whether it was.
@@ -187,72 +247,14 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
         self.state.given = Some(Given::Model(command));
     }
 
-    /// Reads the voltage of a signal's input, between two periods; `None` where it has no sensor.
-    ///
-    /// # Errors
-    /// The inputs do not answer.
-    pub fn voltage(&mut self, signal: AnalogSignal) -> Result<Option<InputVoltage>, A::Error> {
-        let Some(row) = self.rig.calibration.row(signal) else { return Ok(None) };
-        let count = ask(self.rig.limits.attempts, || self.devices.inputs.convert(row.channel()))?;
-        let millivolts = |count: i32| {
-            // 2¹⁶ counts are so many µV.
-            let microvolts = (i64::from(count) * i64::from(A::SPAN_UV)) >> 16;
-            i32::try_from(microvolts / 1000).unwrap_or(i32::MAX)
-        };
-        let [from, to] = row.working();
-        let (found_mv, from_mv, to_mv) = (millivolts(count), millivolts(from), millivolts(to));
-        Ok(Some(InputVoltage { signal, found_mv, from_mv, to_mv }))
-    }
-
     /// Whether the rod's place is known.
     pub fn place(&self) -> Place {
         self.state.place
     }
 
-    /// One period, called once a tick.
-    pub fn step(&mut self, request: &Request, log: &mut impl Log) -> Report {
-        let before = self.state.mode;
-        let mut found = Findings::new(self.state.active_faults, log);
-        if request.timing == Timing::Overrun {
-            found.note(&Fault::Overrun);
-        }
-        let predicted = self.state.mode.is_running().then(|| self.control.predicted());
-        let (measured, read_back) = self.sense(predicted, &mut found);
-        let spool_off = predicted.and_then(|_| self.control.spool_off(&measured));
-        let alarm = self.monitor(predicted, spool_off, &measured, &mut found);
-        self.deviate(predicted, spool_off, &measured, &mut found);
-
-        self.heed_faults(&mut found, &measured);
-        let answer = self.obey(request, &measured, &mut found);
-        let given = self.state.given.take();
-        self.accept(request.set_point, given, &measured, &mut found);
-
-        let command = self.command(given, &measured);
-        self.put_out(command, &measured, &mut found);
-
-        self.state.active_faults = found.active_faults;
-        self.state.energised &= self.state.mode.is_running() && !found.own;
-        found.tell_mode(before, self.state.mode);
-        Report {
-            mode: self.state.mode,
-            measured,
-            read_back,
-            predicted,
-            command: self.state.command,
-            followed: self.state.followed.at,
-            answer,
-            active_faults: self.state.active_faults,
-            alarm,
-            shut_off: self.needs_shut_off(),
-            watchdog: if found.own { Watchdog::Withhold } else { Watchdog::Feed },
-            energised: self.state.energised,
-        }
-    }
-
-    /// Whether an independent valve must cut off the oil. A rod whose place is lost, and a controller that has only started, cannot judge what moves.
-    fn needs_shut_off(&self) -> bool {
-        let PeriodState { active_faults, released, place, .. } = self.state;
-        active_faults.need_shut_off() || !released || place == Place::Lost
+    /// The output's count at which the valve is neutral.
+    fn neutral(&self) -> i32 {
+        self.rig.calibration.output.count(self.rig.limits.neutral)
     }
 
     /// Changes what the monitor's alarm leads to: `None` ignores it, as for recording a drive that is to be diagnosed. An alarm that was ignored is given
@@ -292,189 +294,5 @@ impl<A: AnalogIn, P: PositionIn, O: AnalogOut, C: Control> Period<A, P, O, C> {
     /// Gives the devices back.
     pub fn release(self) -> Devices<A, P, O> {
         self.devices
-    }
-
-    /// The measured values, and the command that was read back.
-    fn sense<L: Log>(
-        &mut self,
-        predicted: Option<Predicted>,
-        found: &mut Findings<'_, L>,
-    ) -> (Measured, Option<PerUnit>) {
-        let Self { devices, rig, state, .. } = self;
-        let limits = &rig.limits;
-        let expected = Expected { predicted, put_out: state.put_out };
-        let position = state.senses.position(&mut devices.position, &rig.travel, limits, &expected, found);
-        let voltages = state.senses.voltages(&mut devices.inputs, &rig.calibration, limits, &expected, found);
-        let (measured, read_back) = sorted(position, voltages);
-        if let (Some(patience), Some(back), Some(command)) = (&limits.read_back, read_back, state.put_out) {
-            let away = apart(back, command, patience.travel);
-            state.away = if away { state.away.saturating_add(1) } else { 0 };
-            if state.away > patience.periods {
-                found.note(&Fault::OutputAway { command, found: back });
-            }
-        }
-        (measured, read_back)
-    }
-
-    /// Passes the faults to the state machine.
-    fn heed_faults<L: Log>(&mut self, found: &mut Findings<'_, L>, measured: &Measured) {
-        if found.lost {
-            self.state.place = Place::Lost;
-        }
-        if let Some(response) = found.worst {
-            self.state.healthy = 0;
-            self.change(Event::Faulty(response), measured, found);
-        } else {
-            self.state.healthy = self.state.healthy.saturating_add(1);
-        }
-    }
-
-    /// Passes a command to the state machine, unless it must be refused.
-    fn obey<L: Log>(&mut self, request: &Request, measured: &Measured, found: &mut Findings<'_, L>) -> Option<Answer> {
-        let command = request.command?;
-        let absurd = self.state.mode == Mode::Holding && self.absurd(request.set_point).is_some();
-        let answer = match command {
-            Command::Acknowledge | Command::Follow if found.worst.is_some() || absurd => Answer::Faulty,
-            Command::Follow if self.state.healthy < self.rig.limits.settling => Answer::Unsettled,
-            // Following may go on once the held set point has come to rest.
-            Command::Acknowledge if self.state.mode == Mode::Holding && !self.state.followed.rests() => {
-                Answer::Unsettled
-            }
-            Command::Follow if self.state.place == Place::Lost => Answer::Lost,
-            Command::Stop | Command::Acknowledge | Command::Follow => Answer::Taken,
-        };
-        if answer == Answer::Taken {
-            self.state.released |= command != Command::Stop;
-            self.change(Event::Commanded(command), measured, found);
-        }
-        Some(answer)
-    }
-
-    /// The fault of an absurd set point, if it is absurd.
-    fn absurd(&self, wanted: SetPoint) -> Option<Fault> {
-        let resumed = Followed::resting(self.state.followed.at.position);
-        self.next(&resumed, wanted).err()
-    }
-
-    /// The set point that follows another one, or the fault of an absurd one.
-    fn next(&self, followed: &Followed, wanted: SetPoint) -> Result<Followed, Fault> {
-        let limits = &self.rig.limits;
-        let SetPoint { position, velocity } = wanted;
-        limits.envelope.next(followed, wanted, limits.most_jump).map_err(|refusal| match refusal {
-            Refusal::Outside => Fault::SetPointOutside { position, velocity },
-            Refusal::Jump => Fault::SetPointJump { from: followed.at.position, to: position },
-            Refusal::Steep => Fault::SetPointSteep { position, velocity },
-        })
-    }
-
-    /// Where the model is that a given command drives, or the fault of one that leaves the bounds.
-    fn driven(&self) -> Result<Followed, Fault> {
-        let motion @ SetPoint { position, velocity } = self.control.motion();
-        let driven = self.rig.limits.envelope.driven(&self.state.followed, motion);
-        driven.ok_or(Fault::SetPointOutside { position, velocity })
-    }
-
-    /// Takes the set point while the rod follows, unless it is absurd; without one, the last comes to rest.
-    fn accept<L: Log>(
-        &mut self,
-        wanted: SetPoint,
-        given: Option<Given>,
-        measured: &Measured,
-        found: &mut Findings<'_, L>,
-    ) {
-        if self.state.mode == Mode::Following {
-            let next = match given {
-                Some(Given::Model(_)) => self.driven(),
-                Some(Given::Output(_)) | None => self.next(&self.state.followed, wanted),
-            };
-            match next {
-                Ok(next) => self.state.followed = next,
-                Err(fault) => {
-                    found.note(&fault);
-                    self.heed_faults(found, measured);
-                }
-            }
-        }
-        if self.state.mode == Mode::Holding {
-            self.state.followed = self.rig.limits.envelope.braked(&self.state.followed);
-        }
-    }
-
-    /// The command of this period.
-    fn command(&mut self, given: Option<Given>, measured: &Measured) -> PerUnit {
-        let Limits { neutral, most_command, slew, ramp, .. } = self.rig.limits;
-        let last = self.state.command;
-        match (self.state.mode, given) {
-            (Mode::Starting, Some(Given::Output(command))) => command.limited(most_command),
-            (Mode::Starting | Mode::Neutral, _) => neutral,
-            (Mode::Following, Some(Given::Output(wanted))) => {
-                let command = last + (wanted.limited(most_command) - last).limited(slew);
-                self.control.accompany(command, measured);
-                command
-            }
-            (Mode::Following, Some(Given::Model(wanted))) => {
-                let wanted = self.control.play(wanted, measured).limited(most_command);
-                last + (wanted - last).limited(slew)
-            }
-            (Mode::Following | Mode::Holding, _) => {
-                let wanted = self.control.follow(self.state.followed.at, measured).limited(most_command);
-                last + (wanted - last).limited(slew)
-            }
-            (Mode::RampingDown, _) => {
-                let command = last + (neutral - last).limited(ramp);
-                self.control.accompany(command, measured);
-                command
-            }
-        }
-    }
-
-    /// Puts the command out. If the output fails, neutral is written once more, because the valve must then be neutral.
-    fn put_out<L: Log>(&mut self, command: PerUnit, measured: &Measured, found: &mut Findings<'_, L>) {
-        let neutral = self.rig.limits.neutral;
-        self.state.command = command;
-        self.state.put_out = Some(command);
-        let output = &mut self.devices.output;
-        let count = self.rig.calibration.output.count(command);
-        if let Err(error) = ask(self.rig.limits.attempts, || output.write(count)) {
-            self.state.command = neutral;
-            self.state.put_out = None;
-            // This may fail as well; the next period tries again anyway.
-            let _ = output.write(self.rig.calibration.output.count(neutral));
-            found.note(&Fault::Silent { device: Device::Output, cause: error.cause() });
-            self.heed_faults(found, measured);
-        } else if self.state.mode == Mode::RampingDown && command == neutral {
-            self.change(Event::Arrived, measured, found);
-        }
-        if self.state.mode.is_running() {
-            self.control.applied(command);
-        }
-    }
-
-    /// Passes an event to the state machine and carries out its action.
-    fn change<L: Log>(&mut self, event: Event, measured: &Measured, found: &mut Findings<'_, L>) {
-        let next = self.state.mode.next(event);
-        if self.state.mode.is_running() && !next.mode.is_running() {
-            // The valve still has to travel to its neutral.
-            self.state.healthy = 0;
-        }
-        self.state.mode = next.mode;
-        match next.action {
-            Action::Nothing => {}
-            Action::Synchronise => {
-                self.control.start(measured);
-                self.state.senses.rouse();
-                self.state.energised = true;
-                self.state.followed = Followed::resting(measured.position);
-                self.state.deviating.begin(&self.rig.limits.deviation, measured.position, self.rig.limits.most_jump);
-            }
-            Action::Forget => {
-                found.active_faults = ActiveFaults::NONE;
-                self.arm_monitor();
-                if next.mode == Mode::Following {
-                    self.state.followed = Followed::resting(self.state.followed.at.position);
-                    self.state.deviating.resume();
-                }
-            }
-        }
     }
 }

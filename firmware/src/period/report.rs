@@ -5,6 +5,7 @@ use model_core::number::PerUnit;
 use crate::control::Predicted;
 use crate::measured::{AnalogSignal, Measured};
 use crate::monitor::Miss;
+use crate::scaling::Row;
 use crate::set_point::SetPoint;
 use crate::supervision::{ActiveFaults, Command, Mode};
 
@@ -75,6 +76,18 @@ pub struct InputVoltage {
     pub from_mv: i32,
     /// The most, mV.
     pub to_mv: i32,
+}
+
+impl InputVoltage {
+    /// From a count of an input whose 2¹⁶ counts are so many µV.
+    pub(super) fn of(signal: AnalogSignal, row: &Row, count: i32, span_uv: u32) -> Self {
+        let millivolts = |count: i32| {
+            let microvolts = (i64::from(count) * i64::from(span_uv)) >> 16;
+            i32::try_from(microvolts / 1000).unwrap_or(i32::MAX)
+        };
+        let [from, to] = row.working();
+        Self { signal, found_mv: millivolts(count), from_mv: millivolts(from), to_mv: millivolts(to) }
+    }
 }
 
 /// Result of a period.

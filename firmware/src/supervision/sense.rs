@@ -7,29 +7,17 @@ use super::limits::Limits;
 use super::log::{Findings, Log};
 use super::stuck_sensor::Stillness;
 use crate::control::Predicted;
-use crate::io::{AnalogIn, IoError, PositionIn};
+use crate::io::Cause;
 use crate::measured::{AnalogSignal, Measured};
 use crate::scaling::{Calibration, Reading, Travel, TravelState};
 
-/// Asks up to `attempts` times, at least once, and returns the last error if no attempt is answered.
-pub(crate) fn ask<T, E>(attempts: u8, mut question: impl FnMut() -> Result<T, E>) -> Result<T, E> {
-    for _ in 1..attempts {
-        if let Ok(answer) = question() {
-            return Ok(answer);
-        }
-    }
-    question()
-}
-
-/// A count; one that the rod cannot have reached since the last period is read again, because one frame may be corrupted.
-fn counted<P: PositionIn>(attempts: u8, device: &mut P, admits: impl Fn(i32) -> bool) -> Result<i32, P::Error> {
-    for _ in 1..attempts {
-        match device.count() {
-            Ok(count) if admits(count) => return Ok(count),
-            Ok(_) | Err(_) => {}
-        }
-    }
-    device.count()
+/// What the devices answered in a period, before anything judges it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// The counter.
+    pub(crate) position: Result<i32, Cause>,
+    /// The analogue inputs in the order of [`AnalogSignal::ALL`]; `None` where there is no sensor, and after an input that did not answer.
+    pub(crate) voltages: [Option<Result<i32, Cause>>; AnalogSignal::COUNT],
 }
 
 /// What the sensors' checks remember from period to period.
@@ -84,15 +72,15 @@ impl Senses {
     }
 
     /// Position in this period, as a share of the stroke.
-    pub(crate) fn position<P: PositionIn, L: Log>(
+    pub(crate) fn position<L: Log>(
         &mut self,
-        device: &mut P,
+        counted: Result<i32, Cause>,
         travel: &Travel,
         limits: &Limits,
         expected: &Expected,
         found: &mut Findings<'_, L>,
     ) -> PerUnit {
-        match counted(limits.attempts, device, |count| travel.admits(&self.travel, count)) {
+        match counted {
             Ok(count) => {
                 if let Err(jump) = travel.follow(&mut self.travel, count) {
                     found.note(&Fault::EncoderJump { counts: jump.counts });
@@ -103,20 +91,18 @@ impl Senses {
                     found.note(&Fault::PositionStuck { position: travel.position(&self.travel) });
                 }
             }
-            Err(error) => {
+            Err(cause) => {
                 Travel::miss(&mut self.travel);
-                found.note(&Fault::Silent { device: Device::Position, cause: error.cause() });
+                found.note(&Fault::Silent { device: Device::Position, cause });
             }
         }
         travel.position(&self.travel)
     }
 
     /// All voltages in this period, per unit, in the order of [`AnalogSignal::ALL`]; `None` where there is no sensor or it fails.
-    ///
-    /// Once the inputs are silent the remaining signals are not read, so that the duration of a period stays bounded.
-    pub(crate) fn voltages<A: AnalogIn, L: Log>(
+    pub(crate) fn voltages<L: Log>(
         &mut self,
-        device: &mut A,
+        converted: &[Option<Result<i32, Cause>>; AnalogSignal::COUNT],
         calibration: &Calibration,
         limits: &Limits,
         expected: &Expected,
@@ -124,14 +110,14 @@ impl Senses {
     ) -> [Option<PerUnit>; AnalogSignal::COUNT] {
         let mut values = [None; AnalogSignal::COUNT];
         let remembered = self.still.iter_mut().zip(&limits.still);
-        for ((value, (signal, row)), (still, patience)) in values.iter_mut().zip(calibration.signals()).zip(remembered)
-        {
-            let Some(row) = row else { continue };
-            let count = match ask(limits.attempts, || device.convert(row.channel())) {
+        let answers = converted.iter().zip(calibration.signals());
+        for ((value, (answer, (signal, row))), (still, patience)) in values.iter_mut().zip(answers).zip(remembered) {
+            let (Some(answer), Some(row)) = (*answer, row) else { continue };
+            let count = match answer {
                 Ok(count) => count,
-                Err(error) => {
-                    found.note(&Fault::Silent { device: Device::Inputs, cause: error.cause() });
-                    break;
+                Err(cause) => {
+                    found.note(&Fault::Silent { device: Device::Inputs, cause });
+                    continue;
                 }
             };
             match row.read(count) {
@@ -163,24 +149,4 @@ pub(crate) fn sorted(
 /// Whether two values are farther apart than this distance.
 pub(crate) fn apart(one: PerUnit, other: PerUnit, by: PerUnit) -> bool {
     (one - other).magnitude() > by
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn asking_stops_at_the_first_answer_or_after_all_attempts() {
-        let asked = |attempts, answers_at| {
-            let mut calls = 0;
-            let answer = ask(attempts, || {
-                calls += 1;
-                if calls == answers_at { Ok(calls) } else { Err(calls) }
-            });
-            (answer, calls)
-        };
-        assert_eq!(asked(3, 2), (Ok(2), 2));
-        assert_eq!(asked(3, 9), (Err(3), 3));
-        assert_eq!(asked(0, 9), (Err(1), 1));
-    }
 }

@@ -15,7 +15,7 @@ use crate::bench::{STROKE, Told, Wanting, World, bases, deviation, devices, limi
 
 /// Any values at all, in one period.
 #[derive(Clone, Debug)]
-struct Anything {
+pub(crate) struct Anything {
     count: i32,
     voltages: [i32; 4],
     silent: [bool; 3],
@@ -24,11 +24,59 @@ struct Anything {
     set_point: [i32; 2],
     command: Option<Command>,
     overrun: bool,
-    home: bool,
+    pub(crate) home: bool,
+}
+
+impl Anything {
+    /// The world becomes so.
+    pub(crate) fn enter(&self, world: &mut World) {
+        let [position_silent, inputs_silent, output_silent] = self.silent;
+        let [spool, pressure_a, pressure_b, position] = self.predicted.map(PerUnit::from_bits);
+        *world = World {
+            count: world.count.wrapping_add(self.count),
+            voltages: self.voltages,
+            position_silent,
+            inputs_silent,
+            output_silent,
+            predicted: Predicted { spool, pressure_a, pressure_b, velocity: PerUnit::ZERO, position },
+            spool_off: Some(spool),
+            wanted: PerUnit::from_bits(self.wanted),
+            ..*world
+        };
+    }
+
+    /// What is asked of the period while the rod is at this place.
+    pub(crate) fn request(&self, place: PerUnit) -> Request {
+        let [from_place, velocity] = self.set_point.map(PerUnit::from_bits);
+        let timing = if self.overrun { Timing::Overrun } else { Timing::Kept };
+        let set_point = SetPoint { position: place + from_place, velocity };
+        Request { set_point, command: self.command, timing }
+    }
+}
+
+/// Wide limits, so that most set points are followed.
+pub(crate) fn wide() -> Limits {
+    let bases = bases();
+    let bounds = Bounds { from_m: 0.0, to_m: bases.stroke_m, velocity_m_per_s: 100.0, acceleration_m_per_s2: 1e5 };
+    let near = |by, for_s| Some(Delay { by, for_s });
+    let deviation = Deviation {
+        position: near(0.02 * bases.stroke_m, 3e-3),
+        velocity: near(0.5, 5e-3),
+        spool: near(0.9, 2e-3),
+        rest: near(2e-3, 5e-3),
+        ..deviation()
+    };
+    Limits {
+        settling: 1,
+        read_back: None,
+        envelope: Envelope::new(&bounds, &bases, 0.0).unwrap(),
+        deviation: DeviationLimits::new(&deviation, &bases).unwrap(),
+        ..limits()
+    }
 }
 
 /// Mostly what a healthy rig gives, so that every mode is reached; sometimes anything.
-fn anything() -> impl Strategy<Value = Anything> {
+pub(crate) fn anything() -> impl Strategy<Value = Anything> {
     let seldom = || prop::bool::weighted(0.006);
     let count = prop_oneof![200 => -3..=3_i32, 1 => any::<i32>()];
     let voltage = || prop_oneof![300 => 6_000..50_000_i32, 1 => any::<i32>()];
@@ -64,51 +112,15 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, rng_seed: RngSeed::Fixed(20_200), ..ProptestConfig::default() })]
     #[test]
     fn whatever_comes_the_output_keeps_its_limits_and_faults_their_states(steps in prop::collection::vec(anything(), 1..250)) {
-        let bases = bases();
-        // Wide, so that most set points are followed.
-        let bounds =
-            Bounds { from_m: 0.0, to_m: bases.stroke_m, velocity_m_per_s: 100.0, acceleration_m_per_s2: 1e5 };
-        let near = |by, for_s| Some(Delay { by, for_s });
-        let deviation = Deviation {
-            position: near(0.02 * bases.stroke_m, 3e-3),
-            velocity: near(0.5, 5e-3),
-            spool: near(0.9, 2e-3),
-            rest: near(2e-3, 5e-3),
-            ..deviation()
-        };
-        let limits = Limits {
-            settling: 1,
-            read_back: None,
-            envelope: Envelope::new(&bounds, &bases, 0.0).unwrap(),
-            deviation: DeviationLimits::new(&deviation, &bases).unwrap(),
-            ..limits()
-        };
+        let limits = wide();
         let world = Rc::new(RefCell::new(World { count: STROKE / 2, ..World::new() }));
         let mut period = Period::begin(devices(&world), rig(limits), Wanting(world.clone()), Place::Known).unwrap();
         let [lowest, highest] = rig(limits).calibration.output.limits();
         let (mut mode, mut last, mut ramping) = (Mode::Starting, limits.neutral, 0);
         let mut place = percent(50);
         for step in steps {
-            {
-                let mut world = world.borrow_mut();
-                let [position_silent, inputs_silent, output_silent] = step.silent;
-                let [spool, pressure_a, pressure_b, position] = step.predicted.map(PerUnit::from_bits);
-                *world = World {
-                    count: world.count.wrapping_add(step.count),
-                    voltages: step.voltages,
-                    position_silent,
-                    inputs_silent,
-                    output_silent,
-                    predicted: Predicted { spool, pressure_a, pressure_b, velocity: PerUnit::ZERO, position },
-                    spool_off: Some(spool),
-                    wanted: PerUnit::from_bits(step.wanted),
-                    ..*world
-                };
-            }
-            let [from_place, velocity] = step.set_point.map(PerUnit::from_bits);
-            let position = place + from_place;
-            let timing = if step.overrun { Timing::Overrun } else { Timing::Kept };
-            let request = Request { set_point: SetPoint { position, velocity }, command: step.command, timing };
+            step.enter(&mut world.borrow_mut());
+            let request = step.request(place);
             if step.home {
                 period.home(percent(50));
             }

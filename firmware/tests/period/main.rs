@@ -1,6 +1,8 @@
 //! Does every fault lead to its mode in time, and does only a command lead back? Tested with whole periods.
 
 mod anything;
+#[cfg(feature = "async")]
+mod awaited;
 mod bench;
 mod deviation;
 mod faults;

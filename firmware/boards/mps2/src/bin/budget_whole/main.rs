@@ -5,8 +5,6 @@
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
-mod parts;
-#[cfg(all(target_arch = "arm", target_os = "none"))]
 mod period;
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]

@@ -18,9 +18,9 @@ use model_core::machine::Machine;
 use model_core::number::{Number, PerUnit};
 use mps2::trial::{every_effect, press};
 use mps2::{Counter, INSTRUCTIONS_PER_COUNT};
+use simulated_press::parts::{PLACE, Part, Parts, Plant, Wire, ask_again};
 
 use crate::on_target::BudgetError;
-use crate::parts::{PLACE, Part, Parts, Plant, Wire, ask_again};
 
 /// µV of 2¹⁶ counts of the inputs and of the output.
 const INPUT_UV: u32 = <Ads8688<Wire<'static>> as AnalogIn>::SPAN_UV;

@@ -10,13 +10,18 @@ use firmware::control::Reference;
 use heapless::Vec;
 use model_core::machine::{Machine, MachineError, Tick};
 use model_core::number::PerUnit;
-use mps2::trial::DELAY;
+
+/// Delay line of the machine, ticks.
+const DELAY: usize = 64;
 
 /// Number of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Part {
+pub enum Part {
+    /// ADS8688.
     Inputs,
+    /// AD5754.
     Output,
+    /// LS7366R.
     Counter,
 }
 
@@ -36,10 +41,10 @@ struct Frame {
 
 /// ADS8688, AD5754 (its first output) and LS7366R.
 #[derive(Debug)]
-pub(crate) struct Parts {
+pub struct Parts {
     frames: Vec<Frame, FRAMES>,
     /// This part answers only zeros.
-    pub(crate) silent: Option<Part>,
+    pub silent: Option<Part>,
     registers: [u8; 64],
     selected: Option<u8>,
     codes: [u16; 8],
@@ -51,8 +56,16 @@ pub(crate) struct Parts {
     count: i32,
 }
 
+impl Default for Parts {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Parts {
-    pub(crate) const fn new() -> Self {
+    /// As after power-on.
+    #[must_use]
+    pub const fn new() -> Self {
         Self {
             frames: Vec::new(),
             silent: None,
@@ -143,16 +156,19 @@ impl Parts {
         [0; LONGEST]
     }
 
-    pub(crate) fn forget(&mut self) {
+    /// Forgets what was sent.
+    pub fn forget(&mut self) {
         self.frames.clear();
     }
 }
 
 /// A part on its chip select.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wire<'a> {
-    pub(crate) parts: &'a RefCell<Parts>,
-    pub(crate) part: Part,
+pub struct Wire<'a> {
+    /// All of them.
+    pub parts: &'a RefCell<Parts>,
+    /// This one.
+    pub part: Part,
 }
 
 impl ErrorType for Wire<'_> {
@@ -181,7 +197,7 @@ impl SpiDevice for Wire<'_> {
 
 /// Sends again what was sent since the last time.
 #[inline(never)]
-pub(crate) fn ask_again(parts: &RefCell<Parts>) {
+pub fn ask_again(parts: &RefCell<Parts>) {
     let frames = core::mem::take(&mut parts.borrow_mut().frames);
     for Frame { part, bytes, length, answered } in &frames {
         let mut wire = Wire { parts, part: *part };
@@ -193,20 +209,24 @@ pub(crate) fn ask_again(parts: &RefCell<Parts>) {
 
 /// The machine: another model of the same drive.
 #[derive(Debug)]
-pub(crate) struct Plant {
+pub struct Plant {
     model: Reference<DELAY>,
     counts: i32,
 }
 
 impl Plant {
-    pub(crate) fn new(machine: &Machine<f64>) -> Result<Self, MachineError> {
+    /// At rest at [`PLACE`].
+    ///
+    /// # Errors
+    /// The machine is not valid.
+    pub fn new(machine: &Machine<f64>) -> Result<Self, MachineError> {
         let model = Reference::at_rest(machine, Tick::OneMillisecond, PLACE)?;
         let counts = counts(&model);
         Ok(Self { model, counts })
     }
 
     /// One millisecond of the machine; not counted.
-    pub(crate) fn tick(&mut self, parts: &RefCell<Parts>) {
+    pub fn tick(&mut self, parts: &RefCell<Parts>) {
         let mut parts = parts.borrow_mut();
         let seen = self.model.step(PerUnit::from_bits(i32::from(parts.output) << 13));
         let pressure_pa = |pressure: PerUnit| pressure.to_f64() * self.model.bases().pressure_pa;
@@ -221,7 +241,7 @@ impl Plant {
 }
 
 /// Where the rod stands at the start, as a share of the stroke.
-pub(crate) const PLACE: f64 = 0.3;
+pub const PLACE: f64 = 0.3;
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a cast from f64 saturates")]
 fn code(share: f64) -> u16 {
