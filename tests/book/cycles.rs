@@ -35,9 +35,11 @@ fn means<'a>(snapshot: &'a str, processor: &str) -> Vec<(&'a str, String)> {
 fn the_cycles_of_the_book_are_those_of_the_snapshot() {
     let (page, snapshot) = (page(), fs::read_to_string(root().join("tests/on_target/cycles.txt")).unwrap());
     let [m4f, m3] = ["Cortex-M4F", "Cortex-M3"].map(|processor| means(&snapshot, processor));
-    assert!(m4f.len() > 1 && m4f.len() == m3.len(), "{m4f:?} {m3:?}");
-    for ((name, m4f), (same, m3)) in m4f.iter().zip(&m3) {
-        assert_eq!(name, same);
+    assert!(m3.len() > 1 && m3.iter().all(|(name, _)| m4f.iter().any(|(same, _)| same == name)), "{m4f:?} {m3:?}");
+    for (name, m4f) in &m4f {
+        // Single precision is counted where there is an FPU.
+        let m3 = m3.iter().find(|(same, _)| same == name).map_or("| ", |(_, figures)| figures);
+        assert_eq!(m3 == "| ", name.starts_with("f32, "), "{name}");
         let row = format!("| {name} | {m4f} | {m3} |");
         assert!(page.contains(&row), "docs/target.md has not:\n{row}");
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use model_core::machine::{Machine, Tick};
 use model_core::number::{PerUnit, Single};
 use model_export::rust::{BakedNumber, Constants};
-use mps2::trial::{Case, Input, Traced, cases};
+use mps2::trial::{Case, Input, SETS, Traced, cases, every_effect, press};
 use system_tests::emulator::{Processor, run_on_host};
 use tempfile::TempDir;
 
@@ -57,6 +57,13 @@ impl Exports {
         std::fs::write(&list, format!("drives! {{\n{}}}\n{}", self.list, self.files)).unwrap();
         list
     }
+}
+
+/// The baked drives whose cost is counted, by their names: the paper's model, what installed drives have, everything.
+pub(crate) fn counted() -> impl Iterator<Item = (&'static str, Machine<f64>)> {
+    let plain = press();
+    let several = SETS.iter().map(move |set| (set.name, set.on(&plain)));
+    [("paper's model", plain)].into_iter().chain(several).chain([("every effect", every_effect(&plain))])
 }
 
 /// Trials of baked drives, by their machines: all of the press and of the mass, and of the pump those with several effects or none.

@@ -9,11 +9,11 @@ use std::fmt::Write;
 use firmware::app::RING_BYTES;
 use model_core::number::{PerUnit, Single};
 use model_export::rust::BakedNumber;
-use mps2::trial::{SETS, Traced, every_effect, press};
+use mps2::trial::Traced;
 use system_tests::emulator::{self, Processor};
 use system_tests::snapshot;
 
-use crate::baked::Exports;
+use crate::baked::{self, Exports};
 use crate::whole;
 
 /// The limit of a figure.
@@ -87,7 +87,7 @@ fn figures(processor: Processor) -> Vec<(String, u64)> {
         figures.push((of("f32, every effect"), processor.flash("step_single")));
     }
     let (mut states, mut coefficients) = (Vec::new(), Vec::new());
-    let baked = baked(processor, &mut figures);
+    let baked = of_baked(processor, &mut figures);
     for line in (processor.run("budget") + &processor.run("budget_whole") + &baked).lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
         let number = |word: &str| word.parse::<u64>().unwrap_or_else(|error| panic!("{line}: {error}"));
@@ -133,7 +133,7 @@ fn figures(processor: Processor) -> Vec<(String, u64)> {
 }
 
 /// What steps of baked drives cost; the flash of images that hold one of them and nothing else is added to the figures.
-fn baked(processor: Processor, figures: &mut Vec<(String, u64)>) -> String {
+fn of_baked(processor: Processor, figures: &mut Vec<(String, u64)>) -> String {
     let mut exports = Exports::new();
     add_baked::<PerUnit>(processor, &mut exports, figures);
     // Single precision where there is an FPU.
@@ -144,10 +144,7 @@ fn baked(processor: Processor, figures: &mut Vec<(String, u64)>) -> String {
 }
 
 fn add_baked<N: BakedNumber + Traced>(processor: Processor, exports: &mut Exports, figures: &mut Vec<(String, u64)>) {
-    let plain = press();
-    let several = SETS.iter().map(|set| (set.name, set.on(&plain)));
-    let drives = [("paper's model", plain)].into_iter().chain(several).chain([("every effect", every_effect(&plain))]);
-    for (name, machine) in drives {
+    for (name, machine) in baked::counted() {
         let file = exports.add::<N>(name, &machine, &[]);
         let image = processor.image_with(&[("FIRMWARE_BAKED", &file)], "baked_step");
         let flash = emulator::size(&image, &[".vector_table", ".text", ".rodata"]);

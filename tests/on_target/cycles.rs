@@ -5,11 +5,15 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use model_core::number::{PerUnit, Single};
+use model_export::rust::BakedNumber;
 use system_tests::cycles::Costs;
 use system_tests::cycles::path::Cost;
 use system_tests::cycles::traced::{Counted, trace};
 use system_tests::emulator::Processor;
 use system_tests::{peers_signal, snapshot};
+
+use crate::baked::{self, Exports};
 
 /// An image, its functions that are counted, and the function that calls them. It prints a line `row TICKS NAME` for each row.
 struct Image {
@@ -18,11 +22,14 @@ struct Image {
     caller: &'static str,
 }
 
-const IMAGES: [Image; 1] = [Image {
-    binary: "cycles",
-    functions: &["cycles::on_target::paper_step", "cycles::on_target::step"],
-    caller: "cycles::on_target::run",
-}];
+const IMAGES: [Image; 2] = [
+    Image {
+        binary: "cycles",
+        functions: &["cycles::on_target::paper_step", "cycles::on_target::step"],
+        caller: "mps2::commanded::run",
+    },
+    Image { binary: "baked_cycles", functions: &["baked_cycles::on_target::step"], caller: "mps2::commanded::run" },
+];
 
 /// The limit of a row's mean: instructions and nominal cycles.
 struct Wanted {
@@ -33,19 +40,28 @@ struct Wanted {
     met: [bool; 2],
 }
 
-const WANTED: [Wanted; 2] = [
+const WANTED: [Wanted; 5] = [
     Wanted { processor: Processor::M4F, row: "paper's model", limits: [740.0, 850.0], met: [true, false] },
+    Wanted { processor: Processor::M4F, row: "baked, paper's model", limits: [740.0, 850.0], met: [true, true] },
+    Wanted { processor: Processor::M4F, row: "f32, baked, paper's model", limits: [400.0, 700.0], met: [true, true] },
     // Instructions are not limited on the M3.
     Wanted { processor: Processor::M3, row: "paper's model", limits: [f64::INFINITY, 1300.0], met: [true, false] },
+    Wanted {
+        processor: Processor::M3,
+        row: "baked, paper's model",
+        limits: [f64::INFINITY, 1300.0],
+        met: [true, true],
+    },
 ];
 
 /// Where the figures begin in a row.
-const COLUMN: usize = 36;
+const COLUMN: usize = 44;
 
 /// Cost of each row of an image, under the peers' random steps.
-fn rows(processor: Processor, image: &Image, commands: &Path) -> Vec<(String, Costs)> {
+fn rows(processor: Processor, image: &Image, commands: &Path, drives: &Path) -> Vec<(String, Costs)> {
     let counted = Counted { functions: image.functions, caller: image.caller, at_most: usize::MAX };
-    let file = processor.built_with(&[("FIRMWARE_COMMANDS", commands)], image.binary);
+    let taken = [("FIRMWARE_COMMANDS", commands), ("FIRMWARE_BAKED_TRIALS", drives)];
+    let file = processor.built_with(&taken, image.binary);
     let traced = trace(processor, &file, counted).unwrap_or_else(|error| panic!("{}: {error}", image.binary));
     let mut ticks = traced.ticks.as_slice();
     let mut rows = Vec::new();
@@ -60,6 +76,12 @@ fn rows(processor: Processor, image: &Image, commands: &Path) -> Vec<(String, Co
     }
     assert!(ticks.is_empty() && !rows.is_empty(), "{} ticks are of no row:\n{}", ticks.len(), traced.printed);
     rows
+}
+
+fn add_counted<N: BakedNumber>(exports: &mut Exports) {
+    for (name, machine) in baked::counted() {
+        exports.add::<N>(name, &machine, &[]);
+    }
 }
 
 fn line(name: &str, which: &str, cost: Cost) -> String {
@@ -83,7 +105,15 @@ fn the_step_takes_the_instructions_and_cycles_of_the_table() {
         let head = ["instructions", "nominal", "low", "high"];
         writeln!(table, "\n{:<COLUMN$} {:>12} {:>8} {:>8} {:>8}", processor.name(), head[0], head[1], head[2], head[3])
             .unwrap();
-        let rows: Vec<(String, Costs)> = IMAGES.iter().flat_map(|image| rows(processor, image, &commands)).collect();
+        let mut exports = Exports::new();
+        add_counted::<PerUnit>(&mut exports);
+        // Single precision where there is an FPU.
+        if processor == Processor::M4F {
+            add_counted::<Single>(&mut exports);
+        }
+        let drives = exports.list();
+        let rows: Vec<(String, Costs)> =
+            IMAGES.iter().flat_map(|image| rows(processor, image, &commands, &drives)).collect();
         for (name, costs) in &rows {
             writeln!(table, "{}", line(name, "mean", costs.mean)).unwrap();
             writeln!(table, "{}", line(name, "worst", costs.worst)).unwrap();

@@ -192,6 +192,7 @@ fn a_quotient_goes_on_beneath_instructions_of_the_core() {
 #[test]
 fn moves_loads_and_stores_of_the_fpu_take_what_its_table_says() {
     assert_eq!(on_m4f(&[("vmov.f32 s0, s1", &[0xeeb0, 0x0a60])]), [1.0; 3]);
+    assert_eq!(on_m4f(&[("vmov.f32 s22, #1.000000e+00", &[0xeeb7, 0xba00])]), [1.0; 3]);
     assert_eq!(on_m4f(&[("vmov r0, s0", &[0xee10, 0x0a10])]), [1.0, 2.0, 2.0]);
     assert_eq!(on_m4f(&[VLDR]), [2.0; 3]);
     assert_eq!(on_m4f(&[VLDR, ("vldr d1, [r0]", &[0xed90, 0x1b00])]), [4.0, 5.0, 5.0]);

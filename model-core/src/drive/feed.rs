@@ -2,6 +2,7 @@
 
 use crate::effects::{Keeps, Knows};
 use crate::flow::effects::EdgeEffects;
+use crate::flow::supply::Supplied;
 use crate::flow::{Edges, Opened, Poppets, Pump, PumpDrive, Root, Started, SupplyState};
 use crate::number::Number;
 use crate::ports::{ChamberState, Filling, Flows, Linearised, Spool};
@@ -27,14 +28,15 @@ pub(crate) trait Feed<N: Number> {
         started: Option<Flows<Root<N>>>,
     ) -> Flows<N>;
 
-    /// The supply at the end of a tick that ends at these pressures; `drawn` is the flow at its start; in this many rounds. It stays constant
-    /// where nothing feeds from it.
+    /// The supply at the end of a tick that ends at these pressures; `drawn` is the flow at its start; in this many rounds, from a first guess of
+    /// its change. It stays constant where nothing feeds from it.
     fn supplied<V: Knows<EdgeEffects<N>>, const ROUNDS: usize>(
         &self,
         pressures: ChamberState<N>,
         supply: SupplyState<N>,
         drawn: N,
-    ) -> SupplyState<N>;
+        moved: N,
+    ) -> Supplied<N>;
 }
 
 /// The valve's edges under a spool.
@@ -84,8 +86,9 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Feed<N> for Metered<'_, N, E> {
         pressures: ChamberState<N>,
         supply: SupplyState<N>,
         drawn: N,
-    ) -> SupplyState<N> {
-        self.edges.supplied::<V, ROUNDS>(&self.opened, pressures, supply, drawn)
+        moved: N,
+    ) -> Supplied<N> {
+        self.edges.supplied::<V, ROUNDS>(&self.opened, pressures, supply, drawn, moved)
     }
 }
 
@@ -152,10 +155,11 @@ impl<N: Number> Feed<N> for AnyFeed<'_, N> {
         pressures: ChamberState<N>,
         supply: SupplyState<N>,
         drawn: N,
-    ) -> SupplyState<N> {
+        moved: N,
+    ) -> Supplied<N> {
         match self {
-            AnyFeed::Edges(edges) if V::METERED => edges.supplied::<V, ROUNDS>(pressures, supply, drawn),
-            _ => supply,
+            AnyFeed::Edges(edges) if V::METERED => edges.supplied::<V, ROUNDS>(pressures, supply, drawn, moved),
+            _ => Supplied { supply, moved },
         }
     }
 }

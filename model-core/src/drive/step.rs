@@ -128,8 +128,8 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
 
         // Second stage.
         let pressures2 = ChamberState { a: pressures.a + k1.a, b: pressures.b + k1.b };
-        let supply2 = feed.supplied::<V, ROUNDS_OF_STAGE>(pressures2, state.supply, drawn);
-        let fed = feed.end::<V>(pressures2, supply2.pressure, roots);
+        let supply2 = feed.supplied::<V, ROUNDS_OF_STAGE>(pressures2, state.supply, drawn, N::ZERO);
+        let fed = feed.end::<V>(pressures2, supply2.supply.pressure, roots);
         let inflow2 = with(chambers.inflow::<V>(fed, pressures2, &leaks));
         let StageWeights { rest, half } = self.weights;
         // In this order no partial sum leaves the format before the other sums do.
@@ -163,7 +163,7 @@ impl<N: Number, C: Keeps<ChamberEffects<N>>, M: Keeps<MechanicalEffects<N>>> Lin
             Some(beyond) => (chambers.stopped(flows, beyond, &yielding), mean - beyond),
         };
         chambers.fill(&mut state.chambers, &mut state.rest, flows, mean);
-        state.supply = feed.supplied::<V, ROUNDS_OF_TICK>(state.chambers, state.supply, drawn);
+        state.supply = feed.supplied::<V, ROUNDS_OF_TICK>(state.chambers, state.supply, drawn, supply2.moved).supply;
         Interfaces {
             spool: feed.spool(),
             flows,

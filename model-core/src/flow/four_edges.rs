@@ -11,7 +11,7 @@
 use crate::effects::{Keeps, Knows};
 use crate::flow::effects::{EdgeEffects, EdgeSizes, behind_laminar_line};
 use crate::flow::opened::{Four, Opened};
-use crate::flow::supply::{Draw, SupplyState};
+use crate::flow::supply::{Draw, Supplied, SupplyState};
 use crate::flow::{Edges, Poppets};
 use crate::number::{Mask, Number};
 use crate::ports::{ChamberState, Filling, Flows, Linearised, Spool};
@@ -119,7 +119,8 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         (linearised, passing.drawn())
     }
 
-    /// The supply at the end of a tick that ends with these openings and pressures; `drawn` is the flow at its start; in this many rounds.
+    /// The supply at the end of a tick that ends with these openings and pressures; `drawn` is the flow at its start; in this many rounds, from a first guess
+    /// of its change.
     #[inline]
     pub(crate) fn supplied<V: Knows<EdgeEffects<N>>, const ROUNDS: usize>(
         &self,
@@ -127,11 +128,13 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         pressures: ChamberState<N>,
         supply: SupplyState<N>,
         drawn: N,
-    ) -> SupplyState<N> {
-        let Some(effects) = V::of(self.effects.kept()) else { return supply };
-        let Some(droop) = &effects.droop else { return supply };
-        let Some(openings) = &opened.four else { return supply };
-        droop.after::<ROUNDS>(supply, self.lines.supply, drawn, effects.slope_scale, |supply| {
+        moved: N,
+    ) -> Supplied<N> {
+        let stays = Supplied { supply, moved };
+        let Some(effects) = V::of(self.effects.kept()) else { return stays };
+        let Some(droop) = &effects.droop else { return stays };
+        let Some(openings) = &opened.four else { return stays };
+        droop.after::<ROUNDS>(supply, self.lines.supply, drawn, moved, effects.slope_scale, |supply| {
             // What the tank edges pass does not come from the supply.
             let across = Four { tank_a: N::ZERO, tank_b: N::ZERO, ..self.across_each::<V>(pressures, supply) };
             let openings = effects.behind_holding(openings, opened.poppets, &across);

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Q1 depends on ps' itself, more so the faster the supply is. It is solved by iteration along chords: the remaining error, divided by
-//! 1 + R·w1·∂Q1/∂ps, three times; twice for the second stage, of whose change the tick takes only half. A chord is steeper than
+//! 1 + R·w1·∂Q1/∂ps, twice for the second stage, and once more, from there, for the tick's end. A chord is steeper than
 //! its root by a factor of two at most, so each round removes at least half of the remaining error and never overshoots: with τ = 0 (w1 = 1)
 //! the static droop is reached to an eighth of its change within the same tick. With a single round, a droop of more than the supply pressure
 //! could keep a soft drive oscillating.
@@ -47,8 +47,16 @@ pub(crate) struct Draw<N> {
 
 /// Number of rounds for the flow drawn at the end of a tick, for the tick's second stage; two are enough for stability.
 pub(crate) const ROUNDS_OF_STAGE: usize = 2;
-/// The same for the tick's end.
-pub(crate) const ROUNDS_OF_TICK: usize = 3;
+/// The same for the tick's end, which begins with the change of the stage.
+pub(crate) const ROUNDS_OF_TICK: usize = 1;
+
+/// A supply a tick later.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Supplied<N> {
+    pub(crate) supply: SupplyState<N>,
+    /// Change of its pressure, at the fineness of [`Droop::shares`].
+    pub(crate) moved: N,
+}
 
 /// Coefficients of the droop at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,27 +72,26 @@ pub struct Droop<N: Number> {
 }
 
 impl<N: Number> Droop<N> {
-    /// The supply a tick later, computed in this many rounds: `drawn` is the drive's own flow at its start; `draw` gives it at its end for a supply
-    /// pressure there.
+    /// The supply a tick later, computed in this many rounds from a first guess of its change: `drawn` is the drive's own flow at its start; `draw` gives it at
+    /// its end for a supply pressure there.
     #[inline]
     pub(crate) fn after<const ROUNDS: usize>(
         &self,
         supply: SupplyState<N>,
         unloaded: N,
         drawn: N,
+        mut moved: N,
         slope_scale: N::Steep,
         draw: impl Fn(N) -> Draw<N>,
-    ) -> SupplyState<N> {
+    ) -> Supplied<N> {
         let others = supply.other_flow;
-        // Change of the pressure, at the fineness of the shares.
-        let mut moved = N::ZERO;
         for _ in 0..ROUNDS {
             let at_end = draw(supply.pressure + N::dot([self.fine], [moved]));
             let wanted = N::dot(self.shares, [unloaded - supply.pressure, drawn + others, at_end.flow + others]);
             moved = moved + (wanted - moved).times(self.gives(at_end.steepness, slope_scale));
         }
         let (pressure, rest) = supply.pressure.accumulated(supply.rest, [self.fine], [moved]);
-        SupplyState { pressure, rest, ..supply }
+        Supplied { supply: SupplyState { pressure, rest, ..supply }, moved }
     }
 
     /// 1/(1 + R·w1·∂Q/∂ps)
@@ -159,7 +166,9 @@ mod tests {
         let draw = Draw { flow: PerUnit::ONE, steepness: PerUnit::ZERO };
         let mut supply = SupplyState::at_rest(PerUnit::ONE);
         for _ in 0..100 {
-            supply = droop.after::<ROUNDS_OF_TICK>(supply, PerUnit::ONE, PerUnit::ONE, effects.slope_scale, |_| draw);
+            let (line, zero) = (PerUnit::ONE, PerUnit::ZERO);
+            let after = droop.after::<ROUNDS_OF_STAGE>(supply, line, PerUnit::ONE, zero, effects.slope_scale, |_| draw);
+            supply = after.supply;
         }
         let fall = 1e10 * drive.bases().flow_m3_per_s / 7e6;
         let exact = 1.0 - fall * (1.0 - libm::exp(-1.0));

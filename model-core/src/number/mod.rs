@@ -212,6 +212,12 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
         self.amplified(by)
     }
 
+    /// The magnitude of the signal times a steep coefficient, for a product that cannot leave the range.
+    #[must_use]
+    fn magnitude_amplified(self, by: Self::Steep) -> Self {
+        self.magnitude().amplified_within(by)
+    }
+
     /// Whether the signal is held at an end of its range, or so near to the end that it may be a held one: all it shows then is that the true
     /// value lies beyond.
     fn is_held(self) -> bool {

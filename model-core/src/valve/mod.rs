@@ -204,7 +204,7 @@ impl<N: Number, E> Valve<N, E> {
     fn limit_rate(&self, set: &mut N, target: N) -> N {
         let step = (target - *set).limited(self.step_limit);
         *set = *set + step;
-        *set - step.magnitude().amplified_within(self.half_per_step).of(step)
+        *set - step.magnitude_amplified(self.half_per_step).of(step)
     }
 
     /// The mean of the set value over a tick that lies `delay_ticks + delay_rest` ticks back.

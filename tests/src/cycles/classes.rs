@@ -18,6 +18,7 @@ pub(super) fn classify(name: &str, mnemonic: &str, parts: &Parts) -> Option<Clas
         "smlal" | "umlal" => Class::LongAccumulate,
         "sdiv" | "udiv" => Class::Divide,
         "it" => Class::IfThen,
+        "mrs" | "msr" => Class::Special,
         "b" | "bl" | "bx" | "blx" | "cbz" | "cbnz" => Class::Branch,
         "tbb" | "tbh" => Class::TableBranch,
         "ldr" if parts.first(1) == PC => Class::LoadPc,
@@ -36,7 +37,8 @@ pub(super) fn classify(name: &str, mnemonic: &str, parts: &Parts) -> Option<Clas
         "vmrs" | "vmsr" | "fmstat" => Class::FpMove,
         // With `.32` it is half of a double.
         "vmov" if (parts.is_core(0) || parts.is_core(1)) && !mnemonic.ends_with(".32") => Class::FpTransfer,
-        "vmov" => Class::FpMove,
+        // The decoder calls a constant that is moved so.
+        "vmov" | "fconsts" => Class::FpMove,
         "vldr" => Class::FpLoad,
         "vstr" => Class::FpStore,
         _ if is_dsp(name) => Class::Dsp,

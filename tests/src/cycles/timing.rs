@@ -54,6 +54,8 @@ pub enum Class {
     Divide,
     /// `IT`.
     IfThen,
+    /// `MRS`, `MSR`.
+    Special,
     /// Branches.
     Branch,
     /// `TBB`, `TBH`.
@@ -150,7 +152,7 @@ const fn list(mut row: Row) -> Row {
 }
 
 /// The table. P is added to each row where it jumps, but to those that say so.
-pub const TABLE: [Row; 23] = [
+pub const TABLE: [Row; 24] = [
     both(
         Class::Plain,
         "data processing, MUL, shifts, CLZ, SSAT, bit fields, NOP",
@@ -184,6 +186,7 @@ pub const TABLE: [Row; 23] = [
     m4f(Class::Dsp, "SMMUL, SMMLA, UMAAL, SMLAxy and all of the DSP extension", [1.0; 3], "table 3-2: 1"),
     both(Class::Divide, "SDIV, UDIV", [2.0, 7.0, 12.0], "table 3-1: 2 to 12 by the values"),
     both(Class::IfThen, "IT", [1.0; 3], "table 3-1: 1; low: 0 behind an instruction of 16 bits, note d"),
+    both(Class::Special, "MRS, MSR", [1.0, 1.5, 2.0], "table 3-1: 1 or 2"),
     both(Class::Branch, "B, BL, BX, BLX, CBZ, CBNZ", [1.0; 3], "table 3-1: 1, taken 1 + P"),
     both(Class::TableBranch, "TBB, TBH", [3.0, 5.0, 6.0], "table 3-1: 2 + P; section 3.3.2: at least 6; P is in it"),
     both(Class::Load, "LDR, LDRB, LDRH, LDRSB, LDRSH", [2.0; 3], "table 3-1: 2; 1 behind another load, section 3.3.2"),
@@ -216,7 +219,7 @@ pub const TABLE: [Row; 23] = [
         [1.0, 1.0, 14.0],
         "table 7-1: 14; its notes: 1 where no instruction of the FPU follows within 13",
     ),
-    m4f(Class::FpMove, "VMOV within the FPU and of half a double, VMRS, VMSR", [1.0; 3], "table 7-1: 1"),
+    m4f(Class::FpMove, "VMOV within the FPU, of a constant and of half a double, VMRS, VMSR", [1.0; 3], "table 7-1: 1"),
     m4f(
         Class::FpTransfer,
         "VMOV between FPU and core",

@@ -4,6 +4,7 @@
 //! trial        drives under inputs that host and target both run    → parity, budget
 //! in_the_loop  the firmware's parts, at the other end of a line     → loop
 //! cost         instructions and stack of a step                  → budget, baked_budget
+//! commanded    steps under a list of commands                       → cycles, baked_cycles
 //! image        what binaries consist of that have nothing else    → steps, parity
 //! board, uart  the boards themselves, on the target only            → every binary
 //! ```
@@ -17,6 +18,7 @@ extern crate std;
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 mod board;
+pub mod commanded;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 pub mod cost;
 mod image;

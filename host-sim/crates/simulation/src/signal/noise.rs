@@ -23,7 +23,8 @@ pub fn noise(values: &[f64], resolution: f64) -> f64 {
 }
 
 /// The step by which most neighbouring values differ, if a sensor has one: the smallest difference that is not zero and
-/// is not rare. Where steps grow along the range, as those of an encoder behind a linkage do, it is their root mean square over the rows.
+/// is not rare. Where steps grow along the range, as those of an encoder behind a linkage do, it is their root mean square over the rows. Where readings
+/// that had steps already were rounded once more, it is the root of both steps' squares: the step whose rounding has the noise of the two.
 pub fn resolution(values: &[f64]) -> f64 {
     let mut steps: Vec<f64> =
         values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
@@ -39,7 +40,23 @@ pub fn resolution(values: &[f64]) -> f64 {
         .map(|pair| (pair[1] - pair[0]).abs() / step)
         .filter(|ratio| (ratio - ratio.round()).abs() < 0.02)
         .count();
-    if multiples * 10 >= values.len() * 9 { step } else { uneven_resolution(values) }
+    if multiples * 10 >= values.len() * 9 { step * rounded_twice(values, step) } else { uneven_resolution(values) }
+}
+
+/// Fewest transitions between levels that show two steps.
+const TRANSITIONS: usize = 24;
+/// From this mean of them on, in steps, there are two; what is below may be a few levels that noise has skipped.
+const TWICE_FROM: f64 = 1.2;
+
+/// By what the noise of readings is larger than that of rounding to `step`, because they had a coarser step before; 1 where they had none.
+///
+/// Of a rod so slow that it stays on each level for two rows or more, every level is seen: the mean way from one to the next is the coarser step.
+fn rounded_twice(values: &[f64], step: f64) -> f64 {
+    let levels: Vec<&[f64]> = values.chunk_by(|a, b| (a - b).abs() < 0.5 * step).collect();
+    let slow = levels.windows(2).filter(|pair| pair[0].len() > 1 && pair[1].len() > 1);
+    let ways: Vec<f64> = slow.map(|pair| (pair[1][0] - pair[0][0]).abs() / step).filter(|way| *way < 2.5).collect();
+    let mean = ways.iter().sum::<f64>() / ways.len() as f64;
+    if ways.len() >= TRANSITIONS && mean > TWICE_FROM { mean.hypot(1.0) } else { 1.0 }
 }
 
 /// Least share of the rows that repeat the reading before: with fewer, third differences show what rounding does.
@@ -119,6 +136,25 @@ mod tests {
         let step = resolution(&ramp);
         assert!((step - 0.5).abs() < 1e-12);
         assert!((noise(&ramp, step) - 0.5 / 12.0_f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn counts_that_a_logger_rounds_once_more_have_the_noise_of_both() {
+        // An encoder of 13.9 µm, written in steps of 9.2 µm; slow strokes, and a rest at either end.
+        let (counts, written) = (13.9e-6, 9.2e-6);
+        let exact = |k: u32| 2e-3 * (f64::from(k) * 1.1e-3).sin();
+        let values: Vec<f64> =
+            (0..9000).map(|k| (((exact(k) / counts).round() * counts) / written).round() * written).collect();
+        let square: f64 = values.iter().zip(0..).map(|(value, k)| (value - exact(k)).powi(2)).sum();
+        let found = noise(&values, resolution(&values));
+        assert!((found / (square / values.len() as f64).sqrt() - 1.0).abs() < 0.1, "{found}");
+        // The encoder by itself, and with noise.
+        let mut dice = Noise::new(5, 0);
+        for sigma in [0.0, 0.3, 1.0] {
+            let noisy = |k| ((exact(k) / counts + dice.gaussian(sigma)).round()) * counts;
+            let values: Vec<f64> = (0..9000).map(noisy).collect();
+            assert!((resolution(&values) / counts - 1.0).abs() < 0.01, "{sigma}: {}", resolution(&values));
+        }
     }
 
     /// A joint whose encoder has a step of 0.1 degrees: at both ends of the stroke it is another length.
