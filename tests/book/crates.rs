@@ -1,6 +1,6 @@
 //! Which crate may depend on which: the edges of ARCHITECTURE.md, compared with the manifests.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -69,16 +69,21 @@ fn cargo(arguments: &str) -> String {
     String::from_utf8(asked.stdout).unwrap()
 }
 
-/// The packages of the workspace with their dependencies.
+/// The crates of the workspace, by the names that code calls them (some have another on crates.io), with their dependencies.
 fn packages() -> BTreeMap<String, Vec<Dependency>> {
     let said = cargo("metadata --no-deps --format-version 1");
     let metadata: Value = serde_json::from_str(&said).unwrap();
     let text = |value: &Value| value.as_str().unwrap().to_owned();
-    let dependency =
-        |value: &Value| Dependency { name: text(&value["name"]), is_for_tests: value["kind"].as_str() == Some("dev") };
+    let dependency = |value: &Value| {
+        let name = text(if value["rename"].is_null() { &value["name"] } else { &value["rename"] });
+        Dependency { name, is_for_tests: value["kind"].as_str() == Some("dev") }
+    };
     let package = |value: &Value| {
+        let is_library = |target: &&Value| target["kind"].as_array().unwrap().iter().any(|kind| kind == "lib");
+        let library = value["targets"].as_array().unwrap().iter().find(is_library);
+        let name = library.map_or_else(|| text(&value["name"]), |library| text(&library["name"]).replace('_', "-"));
         let dependencies = value["dependencies"].as_array().unwrap().iter().map(dependency).collect();
-        (text(&value["name"]), dependencies)
+        (name, dependencies)
     };
     metadata["packages"].as_array().unwrap().iter().map(package).collect()
 }
@@ -122,6 +127,38 @@ fn every_crate_of_host_sim_has_its_place() {
 }
 
 #[test]
+fn what_is_published_says_what_crates_io_and_docs_rs_ask_for() {
+    let said = cargo("metadata --no-deps --format-version 1");
+    let metadata: Value = serde_json::from_str(&said).unwrap();
+    let toolchain = std::fs::read_to_string(root().join("rust-toolchain.toml")).unwrap();
+    let run = std::fs::read_to_string(root().join("tests/run")).unwrap();
+    let (_, published) = run.split_once("published=(").unwrap();
+    let published: BTreeSet<&str> = published.split(')').next().unwrap().split(' ').collect();
+    let mut met = BTreeSet::new();
+    for package in metadata["packages"].as_array().unwrap() {
+        let name = package["name"].as_str().unwrap();
+        // An empty list of registries: it goes to none.
+        if package["publish"].is_array() {
+            continue;
+        }
+        met.insert(name);
+        let said = |key: &str| package[key].as_str().is_some_and(|text| !text.is_empty());
+        for key in ["description", "license", "readme", "documentation", "rust_version"] {
+            assert!(said(key), "{name} has no {key}");
+        }
+        for key in ["keywords", "categories"] {
+            let count = package[key].as_array().unwrap().len();
+            assert!((1..=5).contains(&count), "{name} has {count} {key}; crates.io takes 1 to 5");
+        }
+        assert!(package["metadata"]["docs"]["rs"].is_object(), "{name} does not say what docs.rs builds");
+        // The checks are run by the oldest compiler that is promised.
+        let oldest = package["rust_version"].as_str().unwrap();
+        assert!(toolchain.contains(&format!("channel = \"{oldest}.")), "{name} promises Rust {oldest}: {toolchain}");
+    }
+    assert_eq!(met, published, "tests/run packs what is to be published");
+}
+
+#[test]
 fn only_the_program_has_a_command_line() {
     let packages = packages();
     for (name, _) in ALLOWED {
@@ -134,7 +171,7 @@ fn only_the_program_has_a_command_line() {
 fn the_library_of_an_fmu_links_no_command_line_no_plots_and_no_parquet() {
     let tree = cargo("tree --locked --package drive-fmu --edges normal --prefix none --format {p}");
     let linked: Vec<&str> = tree.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert!(linked.contains(&"simulation"), "{linked:?}");
+    assert!(linked.contains(&"drive-simulation"), "{linked:?}");
     for forbidden in NOT_IN_AN_FMU {
         assert!(!linked.contains(&forbidden), "drive-fmu links {forbidden}");
     }
@@ -147,7 +184,7 @@ fn is_of_a_board(name: &str) -> bool {
 #[test]
 fn the_library_of_the_firmware_links_no_processor_no_board_and_no_critical_section() {
     let linked = |features: &str, target: &str| -> Vec<String> {
-        let asked = "tree --locked --package firmware --edges normal --prefix none --format {p}";
+        let asked = "tree --locked --package drive-firmware --edges normal --prefix none --format {p}";
         let tree = cargo(&format!("{asked} --features={features} --target {target}"));
         tree.lines().filter_map(|line| line.split_whitespace().next()).map(str::to_owned).collect()
     };

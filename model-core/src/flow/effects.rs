@@ -7,7 +7,7 @@ use crate::effects::LinkEffects;
 use crate::flow::load_holding::{LoadHolding, Poppets};
 use crate::flow::opened::Four;
 use crate::flow::supply::Droop;
-use crate::number::Number;
+use crate::number::{Mask, Number};
 
 /// Coefficients of the edges' effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,13 +66,12 @@ impl<N: Number> EdgeEffects<N> {
         self.holding.as_ref().map_or(*openings, |holding| holding.held(openings, poppets, across))
     }
 
-    /// Opening of a tank edge with the return line behind it; `unity` is 1, as a slope.
+    /// Opening of a tank edge with the return line behind it; nothing is computed of a closed one.
     #[inline]
-    pub(crate) fn behind_line(&self, edge: N, unity: N::Steep) -> N {
-        match &self.return_line {
-            Some(line) => line.opening(unity, edge),
-            None => edge,
-        }
+    pub(crate) fn behind_line(&self, edge: N) -> N {
+        let Some(line) = &self.return_line else { return edge };
+        let closed = edge.is_nothing();
+        closed.branch(|| N::ZERO, || line.opening(edge), |_, opening| N::pick(closed, N::ZERO, opening))
     }
 }
 
@@ -128,7 +127,7 @@ impl<N: Number> GainCurve<N> {
 /// `tank-back-pressure`, its turbulent part: the return line, an orifice in series with the tank edge, o becomes o/√(1 + R·o²).
 ///
 /// With Q = o·√(p − pr) and pr − pt = R·Q², the pressure pr between them is eliminated: Q = o/√(1 + R·o²)·√(p − pt). So each chamber
-/// has its own line; this is valid because only one of them returns at a time. R per unit, `K_Q`² included; error 4e-8 of the opening.
+/// has its own line; this is valid because only one of them returns at a time. R per unit, `K_Q`² included; error a step and 1e-8 of the opening.
 /// Two orifices in series: Merritt 1967, ch. 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
@@ -139,11 +138,8 @@ pub struct ReturnLine<N: Number> {
 
 impl<N: Number> ReturnLine<N> {
     #[inline]
-    fn opening(&self, unity: N::Steep, edge: N) -> N {
-        let drop = N::dot([self.resistance], [edge.times(edge)]);
-        // (1 + z)^-½ as √(1 + z) / (1 + z): smooth in R down to R = 0.
-        let (root, _) = (N::ONE + drop).orifice_root(N::ZERO);
-        edge.times(root).times(N::inverse_one_plus([drop], [unity]))
+    fn opening(&self, edge: N) -> N {
+        edge.over_root_of_one_plus(N::dot([self.resistance], [edge.times(edge)]))
     }
 }
 

@@ -178,7 +178,7 @@ impl<N: Number, E: Keeps<EdgeEffects<N>>> Edges<N, E> {
         let effects = V::its(effects);
         let Metered { extending, retracting, leaking } = self.metered::<V>(effects, spool);
         let opening = |beyond: N| N::dot([self.gain], [beyond]);
-        let tank = |opened: N| opening(effects.behind_line(opened + leaking, self.unity));
+        let tank = |opened: N| opening(effects.behind_line(opened + leaking));
         let sizes = &effects.sizes;
         Four {
             supply_a: opening(extending + leaking),

@@ -283,6 +283,11 @@ impl Number for PerUnit {
         (self.rooted(inverse), inverse.value())
     }
     #[inline]
+    fn over_root_of_one_plus(self, more: Self) -> Self {
+        debug_assert!(more >= Self::ZERO, "more than nothing: {more:?}");
+        InverseFourthRoot::of(Self::ONE + more, Self::ZERO).of_one_or_more(self)
+    }
+    #[inline]
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [U16F16; K]) -> Self {
         reciprocal_of_one_plus(weighed(weights, steep))
     }
@@ -424,6 +429,14 @@ mod tests {
             if !magnitude.amplified(steep).is_held() {
                 prop_assert_eq!(a.magnitude_amplified(steep), magnitude.amplified(steep));
             }
+        }
+
+        #[test]
+        fn a_signal_over_a_root_agrees_with_the_formula(a in any::<i32>(), small in 0_u32..31, more in 0_i32..=i32::MAX - (1 << 28), less in 0_u32..31) {
+            let ((a, x), (more, z)) = (signal(a >> small), signal(more >> less));
+            let exact = x / (1.0 + z).sqrt();
+            let off = (a.over_root_of_one_plus(more).to_f64() - exact).abs();
+            prop_assert!(off <= STEP + 1e-8 * exact.abs(), "{off} of {exact}");
         }
 
         #[test]

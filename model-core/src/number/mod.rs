@@ -248,6 +248,10 @@ pub trait Number: Compared + Debug + PartialEq + Add<Output = Self> + Sub<Output
     /// g(Δ) = Δ / (Δ² + pt²)^¼, and the slope of its chord to Δ = 0, g(Δ)/Δ, for the Jacobian; pt is `transition`.
     fn orifice_root(self, transition: Self) -> (Self, Self::Steep);
 
+    /// The signal over √(1 + `more`), for more than nothing.
+    #[must_use]
+    fn over_root_of_one_plus(self, more: Self) -> Self;
+
     /// 1 / (1 + Σ wᵢ·sᵢ) for weights wᵢ that are not negative.
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [Self::Steep; K]) -> Self;
 

@@ -151,6 +151,10 @@ impl<F: Field> Number for F {
         (self * chord, chord)
     }
     #[inline(always)]
+    fn over_root_of_one_plus(self, more: Self) -> Self {
+        self / (F::ONE + more).sqrt()
+    }
+    #[inline(always)]
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [F; K]) -> Self {
         F::ONE / (F::ONE + sum(weights, steep))
     }

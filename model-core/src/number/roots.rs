@@ -84,6 +84,17 @@ impl InverseFourthRoot {
         Self { mantissa, quarters: zeros >> 2, up }
     }
 
+    /// The product with a signal, for w of 1 or more.
+    #[inline]
+    pub(crate) fn of_one_or_more(self, signal: PerUnit) -> PerUnit {
+        // At most the signal itself. With 56 fractional bits w has 7 leading zeros at most, so that a quarter of them is 0 or 1.
+        let down = 31 - self.quarters;
+        let wide = i64::from(signal.to_bits()) * i64::from(self.mantissa.cast_signed()) + (1 << (down - 1));
+        #[expect(clippy::cast_possible_truncation, reason = "no larger than the signal")]
+        let word = (wide >> down) as i32;
+        PerUnit::from_bits(word)
+    }
+
     /// The value.
     #[inline]
     pub(crate) fn value(self) -> U16F16 {

@@ -252,6 +252,11 @@ impl Number for Single {
         (Self(self.0 * chord), chord)
     }
     #[inline]
+    fn over_root_of_one_plus(self, more: Self) -> Self {
+        let whole = 1.0 + more.0;
+        Self(self.0 * inverse_fourth_root(whole * whole))
+    }
+    #[inline]
     fn inverse_one_plus<const K: usize>(weights: [Self; K], steep: [f32; K]) -> Self {
         Self(1.0 / (1.0 + products(steep, weights)))
     }
