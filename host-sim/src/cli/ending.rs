@@ -25,9 +25,9 @@ pub(crate) const DOCUMENT: Kind = Kind { what: "JSON", endings: &["json"] };
 pub(crate) const MACHINE: Kind = Kind { what: "a machine file", endings: &["toml"] };
 
 /// Endings of formats that are never written, or by another command.
-const OTHERS: [&str; 17] = [
-    "xlsx", "xls", "ods", "mf4", "pdf", "png", "jpg", "jpeg", "doc", "docx", "fmu", "h", "rs", "zip", "xml", "yaml",
-    "yml",
+const OTHERS: [&str; 18] = [
+    "gz", "xlsx", "xls", "ods", "mf4", "pdf", "png", "jpg", "jpeg", "doc", "docx", "fmu", "h", "rs", "zip", "xml",
+    "yaml", "yml",
 ];
 
 /// Whether the path means standard output.
