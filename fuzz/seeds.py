@@ -1,13 +1,16 @@
 """What the search begins with: small files of every kind that the readers know, as the tools that people use write them.
 
-    python -m venv env && env/bin/pip install scipy asammdf pyarrow
+    python -m venv env && env/bin/pip install scipy asammdf pyarrow openpyxl
     env/bin/python seeds.py
 
 It writes corpus/<target>/seed-*; what the search has found stands beside them and is left alone. The seeds of `coefficients` and of
 `step_*` are in the tests' own coding and written by `RENEW=1 cargo test -p system-tests --test anything`.
 """
 
+import gzip
+import io
 import struct
+import zipfile
 import zlib
 from datetime import datetime, timezone
 from pathlib import Path
@@ -17,6 +20,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from asammdf import MDF, Signal
 from asammdf.blocks.conversion_utils import from_dict
+from openpyxl import Workbook
 from scipy.io import savemat
 
 here = Path(__file__).parent / "corpus"
@@ -183,6 +187,33 @@ for name, options in {
     seed("parquet", name, written(lambda path: pq.write_table(pa.table(numbers), path, store_schema=False, write_statistics=False, **options)))
 others = {"time": pa.array(k * 1000, pa.timestamp("us")), "spool": pa.array(spool), "on": pa.array(k > 2), "list": pa.array([[1]] * rows), "text": ["a"] * rows}
 seed("parquet", "stamps", written(lambda path: pq.write_table(pa.table(others), path, store_schema=False, write_statistics=False)))
+
+# Workbooks, another archive, and a packed text.
+def workbook(sheets):
+    book = Workbook()
+    book.remove(book.active)
+    for name, lines in sheets.items():
+        sheet = book.create_sheet(name)
+        for line in lines:
+            sheet.append(line)
+    content = io.BytesIO()
+    book.save(content)
+    return content.getvalue()
+
+
+plain = [["time [s]", "x [mm]", "s", "remark"]] + [[row * 0.5, 150 + row, 5.5, "a, b"] for row in range(4)]
+dated = [["# bench"], ["time", "x"], [None, "mm"]] + [[datetime(2024, 5, 6, 7, 8, row), row] for row in range(3)]
+seed("xlsx", "plain", workbook({"run": plain}))
+seed("xlsx", "dated", workbook({"notes": [["made by", "somebody"]], "run": dated}))
+seed("xlsx", "two", workbook({"run 1": plain, "run 2": plain}))
+archive = io.BytesIO()
+with zipfile.ZipFile(archive, "w") as file:
+    file.writestr("content.xml", "<x/>")
+seed("xlsx", "archive", archive.getvalue())
+seed("csv", "packed", gzip.compress(b"time [s];x [mm]\n0;1,5\n1;2,5\n", mtime=0))
+seed("csv", "above", "sep=;\ntime;x;s;\ns;mm;;\n0;1,5;5;\n1;NaN;5;\n2;2,5;5")
+seed("csv", "dates", "x [mm];time\n1,5;2024-05-06T07:08:09,125\n2,5;06.05.2024 07:08:10,125\n3,5;2024-05-06 07:08:11Z\n")
+seed("mat", "version4", written(lambda path: savemat(path, {"time_s": time_s, "x": np.arange(rows)}, format="4", appendmat=False)))
 
 # Machine files.
 seed("machine_file", "valve", """name = "press" # bench 3

@@ -440,10 +440,16 @@ mod tests {
         }
     }
 
+    /// The token of the FMU with these resources.
+    fn token(resources: &Path) -> CString {
+        let contents = model_export::fmu::Contents::read(resources).unwrap();
+        CString::new(model_export::fmu::token(&contents)).unwrap()
+    }
+
     #[test]
     fn a_tool_gets_values_by_pointers_and_errors_by_its_log() {
         let folder = resources(PRESS, "fixed");
-        let token = CString::new(model_export::fmu::token(model_core::machine::Source::Valve)).unwrap();
+        let token = token(folder.path());
         let mut told = Vec::new();
         assert!(instantiate(folder.path(), c"another", &mut told).is_null());
         assert!(
@@ -476,7 +482,7 @@ mod tests {
     #[test]
     fn a_state_that_was_kept_or_written_down_is_gone_on_from() {
         let folder = resources(PRESS, "float");
-        let token = CString::new(model_export::fmu::token(model_core::machine::Source::Valve)).unwrap();
+        let token = token(folder.path());
         let mut told = Vec::new();
         let instance = instantiate(folder.path(), &token, &mut told);
         let (command, position) =

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use model_core::machine::MachineError;
-use model_export::fmu::{Contents, Role, Variable, token};
+use model_export::fmu::{Contents, Role, Variable, fingerprint, token};
 use simulation::{Inputs, Live, Start};
 
 use crate::{Refusal, Snapshot};
@@ -44,7 +44,7 @@ impl Instance {
     /// There is no drive, or the model description belongs to something else.
     pub fn new(resources: &Path, found: &str) -> Result<Self, Refusal> {
         let contents = Contents::read(resources)?;
-        let expected = token(contents.machine.source);
+        let expected = token(&contents);
         if found != expected {
             return Err(Refusal::Token { found: found.to_owned(), expected });
         }
@@ -137,6 +137,11 @@ impl Instance {
             if !value.is_finite() {
                 return Err(Refusal::NotFinite { variable, value });
             }
+            if let Some((min, max)) = variable.range(&self.contents.machine)
+                && !(min..=max).contains(&value)
+            {
+                return Err(Refusal::OutOfRange { variable, value, min, max });
+            }
             *place = value;
         }
         (self.inputs, self.position_start_m) = (inputs, position_start_m);
@@ -174,6 +179,7 @@ impl Instance {
     /// Everything that it remembers.
     pub(crate) fn snapshot(&self) -> Snapshot {
         Snapshot {
+            drive: fingerprint(&self.contents),
             mode: self.mode,
             inputs: self.inputs,
             position_start_m: self.position_start_m,
@@ -185,6 +191,9 @@ impl Instance {
 
     /// Returns to a remembered state, earlier or later than the present one.
     pub(crate) fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refusal> {
+        if snapshot.drive != fingerprint(&self.contents) {
+            return Err(Refusal::OtherDrive);
+        }
         let running = match &snapshot.kept {
             Some(kept) => {
                 let mut running = started(&self.contents, &snapshot.inputs, snapshot.position_start_m)?;
@@ -200,7 +209,7 @@ impl Instance {
 
     /// The token at the beginning of a stored state of this FMU.
     pub(crate) fn token(&self) -> String {
-        token(self.contents.machine.source)
+        token(&self.contents)
     }
 
     /// The drive; it is put at rest if it does not run yet.

@@ -75,6 +75,18 @@ pub enum Refusal {
         /// The value.
         value: f64,
     },
+    /// A start value beyond what the model description allows.
+    #[error("{} = {value}: expected {min} to {max}", .variable.name())]
+    OutOfRange {
+        /// The variable.
+        variable: Variable,
+        /// The value.
+        value: f64,
+        /// The smallest that is allowed.
+        min: f64,
+        /// The largest.
+        max: f64,
+    },
     /// The call is not allowed in this mode.
     #[error("{call} in mode {mode:?}; expected it in mode {expected:?}")]
     Mode {
@@ -118,6 +130,9 @@ pub enum Refusal {
         /// The token of this FMU.
         expected: String,
     },
+    /// A state of another drive, or of the same with another tick or number type.
+    #[error("the state is one of another drive; expected one of an instance of this FMU")]
+    OtherDrive,
     /// A state of the other number type.
     #[error("the state is of another number type; expected one of an instance of this FMU")]
     OtherArithmetic(#[from] OtherArithmetic),

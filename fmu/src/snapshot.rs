@@ -9,6 +9,8 @@ use crate::{Mode, Refusal};
 /// The state of an instance at one moment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
+    /// The [fingerprint](model_export::fmu::fingerprint) of the drive.
+    pub(crate) drive: u64,
     pub(crate) mode: Mode,
     pub(crate) inputs: Inputs,
     pub(crate) position_start_m: f64,

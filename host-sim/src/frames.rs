@@ -2,6 +2,9 @@
 //!
 //! The frames are read by the code that wrote them (`firmware::recorder::frame`, `firmware::recorder::message`). What the line lost or
 //! damaged is left out and reported; nothing that is damaged becomes a value.
+//!
+//! A recording is open from its header to its end, or to a gap in the numbers of the frames: behind a gap, rows may be those of another recording
+//! whose header was lost, with other ticks and other channels. Such rows are counted and belong to none.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
@@ -38,6 +41,8 @@ pub struct Stream {
     pub recordings: Vec<Imported>,
     /// What was wrong on the line.
     pub losses: Losses,
+    /// Rows of no recording: behind a gap, behind an end, without a header, or of a place that had its row.
+    pub rows_of_none: usize,
 }
 
 /// Why a recording cannot be used.
@@ -87,40 +92,55 @@ pub const MAX_CAPTURE_BYTES: u64 = 1 << 26;
 pub fn stream(bytes: &[u8]) -> Result<Stream, ImportError> {
     let mut reader = FrameReader::new();
     let mut recordings: Vec<Imported> = Vec::new();
+    let (mut is_open, mut next, mut rows_of_none) = (false, None, 0);
     // A reader that starts late begins within a frame, which then ends here.
     for &byte in bytes.iter().chain(&[0]) {
         let Some(frame) = reader.take(byte) else { continue };
+        // The numbers go on from one recording to the next, and begin again when the board does.
+        is_open &= next.replace(frame.number.wrapping_add(1)) == Some(frame.number);
         match Message::of(&frame) {
-            Ok(Message::Header(header)) => recordings.push(Imported {
-                machine: header.machine.to_owned(),
-                tick_s: f64::from(header.tick_ns) * 1e-9,
-                rows_sent: header.rows,
-                trigger: header.trigger.wrapping_sub(header.first),
-                width: usize::from(header.channels),
-                channels: BTreeMap::new(),
-                first: header.first,
-                rows: BTreeMap::new(),
-            }),
+            Ok(Message::Header(header)) => {
+                is_open = true;
+                recordings.push(Imported {
+                    machine: header.machine.to_owned(),
+                    tick_s: f64::from(header.tick_ns) * 1e-9,
+                    rows_sent: header.rows,
+                    trigger: header.trigger.wrapping_sub(header.first),
+                    width: usize::from(header.channels),
+                    channels: BTreeMap::new(),
+                    first: header.first,
+                    rows: BTreeMap::new(),
+                });
+            }
             Ok(Message::Channel(channel)) => {
                 let number = usize::from(channel.number);
-                if let Some(last) = recordings.last_mut().filter(|last| number < last.width) {
-                    last.channels.insert(number, (format!("{} [{}]", channel.name, channel.unit), channel.step));
+                if let Some(last) = recordings.last_mut().filter(|last| is_open && number < last.width) {
+                    last.channels
+                        .entry(number)
+                        .or_insert((format!("{} [{}]", channel.name, channel.unit), channel.step));
                 }
             }
             Ok(Message::Rows(rows)) => {
-                if let Some(last) = recordings.last_mut() {
-                    last.take(rows.first, &rows.words().collect::<Vec<i16>>());
-                }
+                let words: Vec<i16> = rows.words().collect();
+                let Some(last) = recordings.last_mut() else {
+                    rows_of_none += 1;
+                    continue;
+                };
+                let sent = words.len() / last.width.max(1);
+                let taken = if is_open { last.take(rows.first, &words) } else { 0 };
+                is_open &= taken == sent;
+                rows_of_none += sent - taken;
             }
             // The header says how many rows there are.
-            Ok(Message::End { .. }) | Err(_) => {}
+            Ok(Message::End { .. }) => is_open = false,
+            Err(_) => {}
         }
     }
     let losses = reader.losses();
     if recordings.is_empty() {
         return Err(ImportError::Nothing { bytes: bytes.len(), refused: losses.refused });
     }
-    Ok(Stream { recordings, losses })
+    Ok(Stream { recordings, losses, rows_of_none })
 }
 
 impl Stream {
@@ -137,11 +157,14 @@ impl Stream {
 }
 
 impl Imported {
-    fn take(&mut self, first: u32, words: &[i16]) {
-        let place = first.wrapping_sub(self.first);
-        for (place, row) in (place..self.rows_sent).zip(words.chunks_exact(self.width.max(1))) {
-            self.rows.insert(place, row.to_vec());
+    /// Takes rows that follow those it has; the number of those taken.
+    fn take(&mut self, first: u32, words: &[i16]) -> usize {
+        let (place, before) = (first.wrapping_sub(self.first), self.rows.len());
+        if place as usize == before {
+            let rows = words.chunks_exact(self.width.max(1)).map(<[i16]>::to_vec);
+            self.rows.extend((place..self.rows_sent).zip(rows));
         }
+        self.rows.len() - before
     }
 
     /// Rows that were lost on the line.
@@ -190,7 +213,7 @@ impl Imported {
 #[cfg(test)]
 mod tests {
     use firmware::recorder::frame::FrameWriter;
-    use firmware::recorder::message::{ChannelHeader, Header, RowsWriter};
+    use firmware::recorder::message::{ChannelHeader, Header, RowsWriter, end_written};
     use firmware::recorder::{Channel, Progress, Range, Recorder, Stream as Out};
     use model_core::number::{Number, PerUnit};
 
@@ -241,6 +264,64 @@ mod tests {
         assert!(damaged.rows_lost() > 0 && damaged.rows.iter().all(|(place, row)| whole.rows[place] == *row));
         let late = stream(&bytes[9..]).unwrap_err();
         assert!(matches!(late, ImportError::Nothing { .. }), "without its header there is no recording: {late:?}");
+    }
+
+    /// The frames of a stream, each with its zeros.
+    fn frames(bytes: &[u8]) -> Vec<Vec<u8>> {
+        let stuffed = bytes.split(|byte| *byte == 0).filter(|frame| !frame.is_empty());
+        stuffed.map(|frame| [&[0], frame, &[0]].concat()).collect()
+    }
+
+    /// Another forty ticks, under other names, of a board that has started anew or goes on.
+    fn of_another(frames: &mut FrameWriter, first: u32) -> Vec<u8> {
+        let mut line = Vec::new();
+        let header = Header { channels: 2, tick_ns: 1_000_000, first, rows: 40, trigger: first, machine: "other" };
+        let channel = |number| ChannelHeader { number, step: -1.0, name: "force", unit: "N" };
+        let mut rows = RowsWriter::new(first);
+        for row in 0..40 {
+            assert!(rows.push(&[row, row]));
+        }
+        for (kind, payload) in
+            [header.written(), channel(0).written(), channel(1).written(), rows.written(), end_written(40)]
+        {
+            frames.write(&mut line, kind, &payload).unwrap();
+        }
+        line
+    }
+
+    #[test]
+    fn rows_behind_a_lost_header_are_not_those_of_the_recording_before() {
+        for restarts in [true, false] {
+            for first in [10, 50, 1000] {
+                let mut writer = FrameWriter::default();
+                let own = streamed(&mut writer);
+                let alone = stream(&own).unwrap().chosen(None).unwrap();
+                if restarts {
+                    writer = FrameWriter::default();
+                }
+                let other = frames(&of_another(&mut writer, first));
+                // The header is lost, or it and what follows it; the end of the recording before too.
+                for lost in 1..=3 {
+                    for own in [own.clone(), frames(&own)[..frames(&own).len() - 1].concat()] {
+                        let both = stream(&[own, other[lost..].concat()].concat()).unwrap();
+                        assert_eq!(both.rows_of_none, 40, "{restarts} {first} {lost}");
+                        assert_eq!(both.chosen(None).unwrap(), alone);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_row_is_written_once_and_as_it_came_first() {
+        let bytes = streamed(&mut FrameWriter::default());
+        let whole = stream(&bytes).unwrap().chosen(None).unwrap();
+        let all = frames(&bytes);
+        let mut again = all.clone();
+        again.insert(all.len() - 1, all[all.len() - 2].clone());
+        let repeated = stream(&again.concat()).unwrap();
+        assert!(repeated.rows_of_none > 0);
+        assert_eq!(repeated.chosen(None).unwrap(), whole);
     }
 
     #[test]

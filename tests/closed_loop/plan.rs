@@ -180,8 +180,9 @@ fn the_record_of_a_plan_is_what_the_model_does_with_the_recorded_command_where_t
         let [least_m, most_m] = [f64::min, f64::max].map(|of| positions_m.iter().copied().reduce(of).unwrap());
         assert!(most_m - least_m > 0.02, "{least_m} {most_m}");
     }
-    let names: Vec<&str> = diagnosed(&records).findings.iter().map(|finding| finding.effect.name).collect();
-    assert_eq!(names, [""; 0]);
+    // The recorder's words are finer than the encoder's counts: both roundings are noise.
+    let said = diagnosed(&records);
+    assert_eq!((said.verdict, said.findings.len()), (Verdict::NothingMissing, 0), "{:?}", said.misfit);
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn a_folder_may_hold_recordings_of_every_format_but_each_once() {
     let path = folder.path().display().to_string();
     let diagnosed = || run(&["diagnose", &path, "--report", &folder.path().join("r.html").display().to_string()]);
     let nothing = diagnosed().unwrap_err();
-    assert!(nothing.contains("no train-*.csv (.txt, .mat, .mf4, .parquet)"), "{nothing}");
+    assert!(nothing.contains("no train-*.csv (.txt, .xlsx, .mat, .mf4, .parquet, .gz)"), "{nothing}");
     put(fixture("vectors.mat"), "train-1.mat");
     put(fixture("packed_0.mf4"), "train-2.MF4");
     // Both files are found and read, and hold the same rows.
@@ -97,4 +97,8 @@ fn a_folder_may_hold_recordings_of_every_format_but_each_once() {
     put(fixture("run.csv"), "train-2.csv");
     let formats = diagnosed().unwrap_err();
     assert!(formats.contains("train-2.csv") && formats.contains("each recording in one format"), "{formats}");
+    std::fs::remove_file(folder.path().join("train-2.MF4")).unwrap();
+    put(fixture("run.csv.gz"), "train-2.csv.gz");
+    let packed = diagnosed().unwrap_err();
+    assert!(packed.contains("train-2.csv.gz") && packed.contains("each recording in one format"), "{packed}");
 }

@@ -7,7 +7,7 @@ use recording::{ChannelMap, MAX_UNPACKED_BYTES, Recording, RecordingError};
 
 use crate::fixture;
 
-const FILES: [&str; 9] = [
+const FILES: [&str; 16] = [
     "vectors.mat",
     "vectors_packed.mat",
     "structure.mat",
@@ -17,6 +17,13 @@ const FILES: [&str; 9] = [
     "two_groups.mf4",
     "pyarrow.parquet",
     "plain.parquet",
+    "version4.mat",
+    "controldesk.mat",
+    "composed.mf4",
+    "states.mf4",
+    "spark.parquet",
+    "run.xlsx",
+    "run.csv.gz",
 ];
 
 /// Reads bytes; returns the recording if there is one.
@@ -121,5 +128,5 @@ fn files_of_other_versions_say_how_to_save_them() {
     old.resize(200, 0);
     assert!(refused("old.dat", &old).contains("an MDF file of version 3.30; expected version 4"));
     assert!(refused("open.mf4", b"UnFinMF 4.10    ").contains("that its recorder has not closed"));
-    assert!(refused("v4.mat", b"\0\0\0\0\x0a\0\0\0").contains("neither text nor a MAT-file, as its name says"));
+    assert!(refused("no.mat", b"\0\0\0\0\x0a\0\0\0").contains("neither text nor a MAT-file, as its name says"));
 }

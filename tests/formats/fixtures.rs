@@ -34,6 +34,10 @@ fn every_format_gives_the_recording_of_the_csv() {
         "mixed.parquet",
         "pandas.parquet",
         "scope.txt",
+        "version4.mat",
+        "controldesk.mat",
+        "run.xlsx",
+        "run.csv.gz",
     ] {
         let found = read(name);
         assert_same(name, &found, &expected);
@@ -79,6 +83,53 @@ fn timestamps_count_from_the_first() {
 }
 
 #[test]
+fn durations_and_old_timestamps_are_in_seconds_whatever_their_names_say() {
+    let expected = read("run.csv");
+    for name in ["spans.parquet", "polars_spans.parquet", "spark.parquet"] {
+        let found = read(name);
+        let off = found.time_s().iter().zip(expected.time_s()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(found.rows() == 200 && off < 1e-12, "{name}: {off}");
+        // Spark's file has floating numbers of 16 bits and decimal numbers among them.
+        for column in &expected.columns()[1..] {
+            assert_eq!(found.signal(column.signal), Some(column.values.as_slice()), "{name}: {}", column.signal);
+        }
+    }
+}
+
+#[test]
+fn the_members_of_a_structure_and_the_elements_of_an_array_are_channels() {
+    let expected = read("run.csv");
+    let all = ["Bench", "Bench.position", "Bench.command", "pressures", "pressures[0]", "pressures[1]"];
+    assert_eq!(read("composed.mf4").ignored(), all);
+    let maps = [
+        "position=Bench.position [mm]",
+        "command=Bench.command [V]",
+        "pressure_a=pressures[0] [bar]",
+        "pressure_b=pressures[1] [bar]",
+    ];
+    let found = read_mapped("composed.mf4", &maps).unwrap();
+    for signal in [Signal::Position, Signal::Command, Signal::PressureA, Signal::Spool] {
+        assert_eq!(found.signal(signal), expected.signal(signal), "{signal}");
+    }
+    let above =
+        |row: usize| found.signal(Signal::PressureB).unwrap()[row] - found.signal(Signal::PressureA).unwrap()[row];
+    assert!((0..200).all(|row| (above(row) - 1e5).abs() < 1e-6));
+    for (map, what) in [("position=Bench [mm]", "a structure"), ("position=pressures [mm]", "an array")] {
+        let refused = read_mapped("composed.mf4", &[map]).unwrap_err();
+        assert!(matches!(&refused, RecordingError::NotNumbers { found, .. } if found.starts_with(what)), "{refused}");
+    }
+}
+
+#[test]
+fn a_text_among_the_numbers_of_a_channel_is_an_empty_cell() {
+    let (found, expected) = (read("states.mf4"), read("run.csv"));
+    assert_eq!(found.notes()[0].to_string(), "1 row has an empty cell and is left out, in row 8");
+    let mut positions = expected.signal(Signal::Position).unwrap().to_vec();
+    positions.remove(7);
+    assert_eq!(found.signal(Signal::Position).unwrap(), positions);
+}
+
+#[test]
 fn a_null_is_an_empty_cell() {
     let found = read("holes.parquet");
     assert_eq!(found.rows(), 199);
@@ -90,6 +141,8 @@ fn every_format_is_mapped() {
     for (name, map) in [
         ("run.csv", "force=spool"),
         ("vectors.mat", "position=pressure_a_bar [mm]"),
+        ("vectors.mat", "position=pressure_a_bar"),
+        ("structure.mat", "position=run.pressure_a_bar"),
         ("structure.mat", "position=run.pressure_a_bar [mm]"),
         ("packed_1.mf4", "position=pressure_a [bar]"),
         ("pyarrow.parquet", "position=pressure_a [bar]"),

@@ -24,12 +24,13 @@ use crate::simulate::DELAY;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All of them. The folders of `fuzz/corpus` and the programs of `fuzz/` have these names.
-pub const TARGETS: [Target; 11] = [
+pub const TARGETS: [Target; 12] = [
     ("csv", csv),
     ("twincat", recording),
     ("mat", recording),
     ("mdf4", recording),
     ("parquet", recording),
+    ("xlsx", recording),
     ("machine_file", machine_file),
     ("frames", frames),
     ("coefficients", coefficients),

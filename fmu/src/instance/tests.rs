@@ -134,10 +134,34 @@ fn a_pump_drives_its_rod_by_speed_and_direction() {
 #[test]
 fn a_state_of_another_number_type_or_version_is_refused() {
     let (fixed, mut float) = (begun(PRESS), Instance::of(Contents::read(resources(PRESS, "float").path()).unwrap()));
-    assert!(matches!(float.restore(&fixed.snapshot()), Err(Refusal::OtherArithmetic(_))));
+    assert!(matches!(float.restore(&fixed.snapshot()), Err(Refusal::OtherDrive)));
     let bytes = fixed.snapshot().to_bytes("drive-fmu/0/valve").unwrap();
     let foreign = Snapshot::of_bytes(&fixed.token(), &bytes).unwrap_err().to_string();
     assert!(foreign.starts_with("the serialized state is of \"drive-fmu/0/valve\"; expected"), "{foreign}");
     let own = fixed.snapshot().to_bytes(&fixed.token()).unwrap();
     assert_eq!(Snapshot::of_bytes(&fixed.token(), &own).unwrap(), fixed.snapshot());
+}
+
+#[test]
+fn a_state_of_another_drive_is_refused() {
+    let (own, mut other) = (begun(PRESS), begun(&PRESS.replace("3.117e-3", "3.118e-3")));
+    assert!(matches!(other.restore(&own.snapshot()), Err(Refusal::OtherDrive)));
+    let bytes = own.snapshot().to_bytes(&own.token()).unwrap();
+    assert!(matches!(Snapshot::of_bytes(&other.token(), &bytes), Err(Refusal::ForeignState { .. })));
+    // Another name is no other drive.
+    let mut renamed = begun(&PRESS.replace("\"press\"", "\"axis\""));
+    renamed.restore(&Snapshot::of_bytes(&renamed.token(), &bytes).unwrap()).unwrap();
+}
+
+#[test]
+fn a_start_beyond_the_stroke_is_refused() {
+    let mut instance = instance(PRESS);
+    for beyond in [-0.2, -1e-9, 0.301, 5.0, 100.0] {
+        let refused = set(&mut instance, Variable::PositionAtStart, beyond).unwrap_err().to_string();
+        assert_eq!(refused, format!("position_start = {beyond}: expected 0 to 0.3"));
+    }
+    for within in [0.0, 0.3] {
+        set(&mut instance, Variable::PositionAtStart, within).unwrap();
+    }
+    assert_eq!(get(&mut instance, Variable::Position), 0.3);
 }

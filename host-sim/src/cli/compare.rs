@@ -38,7 +38,7 @@ measured input, so that a miss in it is made in it.")]
 pub struct Arguments {
     #[command(flatten)]
     machine: MachineArguments,
-    /// Recordings to compare with (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
+    /// Recordings to compare with (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
     #[arg(long, value_name = "R.csv", required = true, num_args = 1..)]
     recording: Vec<PathBuf>,
     /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`

@@ -34,7 +34,7 @@ host-sim diagnose [OPTIONS] <FOLDER>
 Training recordings make the choice, each left out in turn; the held-out ones are opened once, after it, to confirm or veto.
 The report of a FOLDER goes to diagnosis-<name>.html in the working folder unless --report says otherwise.")]
 pub struct Arguments {
-    /// Folder with machine.toml, train-* and holdout-* (.csv, .txt, .mat, .mf4, .parquet)
+    /// Folder with machine.toml, train-* and holdout-* (.csv, .txt, .xlsx, .mat, .mf4, .parquet, each also .gz)
     #[arg(value_name = "FOLDER", required_unless_present_any = ["machine", "since"], conflicts_with_all = ["machine", "train", "holdout"])]
     folder: Option<PathBuf>,
     /// Machine file of the drive (TOML, SI units)
@@ -44,10 +44,10 @@ pub struct Arguments {
     /// may have become more or less. Or since these recordings were made, which are diagnosed first. A folder at their end is FOLDER
     #[arg(long, value_name = "THEN", num_args = 1..)]
     since: Vec<PathBuf>,
-    /// Recordings to train on (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
+    /// Recordings to train on (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
     #[arg(long, value_name = "R.csv", num_args = 1..)]
     train: Vec<PathBuf>,
-    /// Recordings to confirm on, never used to choose (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
+    /// Recordings to confirm on, never used to choose (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
     #[arg(long, value_name = "R.csv", num_args = 1..)]
     holdout: Vec<PathBuf>,
     /// Which column holds a signal, where its header does not say; may be repeated
@@ -358,10 +358,17 @@ fn listed(folder: &Path, prefix: &str) -> Result<Vec<PathBuf>, CliError> {
     found.sort();
     // The same recording in two formats would count twice, and the copies may differ in the last digit.
     for (index, second) in found.iter().enumerate() {
-        if let Some(first) = found[..index].iter().find(|first| first.file_stem() == second.file_stem()) {
+        if let Some(first) = found[..index].iter().find(|first| stem(first) == stem(second)) {
             let (first, second) = (first.display().to_string(), second.display().to_string());
             return Err(CliError::SameRecording { first, second, expected: "each recording in one format" });
         }
     }
     Ok(found)
+}
+
+/// A file's name without the ending of its format, and without that of its packing.
+fn stem(path: &Path) -> PathBuf {
+    let unpacked =
+        if Format::of_extension(path) == Some(Format::Gzip) { path.with_extension("") } else { path.to_owned() };
+    if Format::of_extension(&unpacked).is_some() { unpacked.with_extension("") } else { unpacked }
 }

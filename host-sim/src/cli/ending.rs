@@ -27,8 +27,10 @@ pub(crate) const MACHINE: Kind = Kind { what: "a machine file", endings: &["toml
 pub(crate) const SOURCE: Kind = Kind { what: "Rust source", endings: &["rs"] };
 
 /// Endings of formats that are never written, or by another command.
-const OTHERS: [&str; 16] =
-    ["xlsx", "xls", "ods", "mf4", "pdf", "png", "jpg", "jpeg", "doc", "docx", "fmu", "h", "zip", "xml", "yaml", "yml"];
+const OTHERS: [&str; 17] = [
+    "gz", "xlsx", "xls", "ods", "mf4", "pdf", "png", "jpg", "jpeg", "doc", "docx", "fmu", "h", "zip", "xml", "yaml",
+    "yml",
+];
 
 /// Whether the path means standard output.
 pub(crate) fn is_standard_output(path: &Path) -> bool {

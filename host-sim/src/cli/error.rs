@@ -192,7 +192,7 @@ pub enum CliError {
         is_now: bool,
     },
     /// A folder without training recordings.
-    #[error("{}: no train-*.csv (.txt, .mat, .mf4, .parquet); expected machine.toml, train-*.csv and holdout-*.csv, or --machine, --train and --holdout", folder.display())]
+    #[error("{}: no train-*.csv (.txt, .xlsx, .mat, .mf4, .parquet, .gz); expected machine.toml, train-*.csv and holdout-*.csv, or --machine, --train and --holdout", folder.display())]
     NothingToTrain {
         /// The folder.
         folder: PathBuf,

@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml")]
     machine: PathBuf,
-    /// Recordings to fit to (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
+    /// Recordings to fit to (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
     #[arg(long, value_name = "R.csv", required = true, num_args = 1..)]
     train: Vec<PathBuf>,
     /// Which column holds a signal, where its header does not say; may be repeated

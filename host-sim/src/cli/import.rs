@@ -17,7 +17,8 @@ use crate::frames::{self, ImportError, MAX_CAPTURE_BYTES};
   host-sim import --frames recorder.bin --out run.csv
 
 Reads what the firmware's recorder streams out over a serial line, as it was captured, and writes a recording: one row a control
-period, SI units. Frames that were lost or damaged are left out and counted. A capture may hold several recordings: --which says
+period, SI units. A recording ends at its end or where frames are missing: rows behind a gap are left out and counted, as they may be
+those of another recording. A capture may hold several recordings: --which says
 which one.")]
 pub struct Arguments {
     /// Captured bytes
@@ -43,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         return Err(failed(ImportError::TooLarge));
     }
     let stream = frames::stream(&bytes).map_err(failed)?;
-    let losses = stream.losses;
+    let (losses, rows_of_none) = (stream.losses, stream.rows_of_none);
     let recording = stream.chosen(arguments.which).map_err(failed)?;
     let csv = recording.csv().map_err(failed)?;
     let name = arguments.frames.display();
@@ -54,6 +55,12 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
             recording.rows_sent,
             losses.missing,
             losses.refused
+        ));
+    }
+    if rows_of_none > 0 {
+        console.note(format!(
+            "{name}: {rows_of_none} rows stand behind a gap in the frames or after an end, and may be those of a recording whose header was lost: \
+             they are left out. Stream it out once more to have them"
         ));
     }
     write_or_print(&arguments.out, &csv, console)?;

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use experiment::inspect::Inspection;
-use recording::ChannelMap;
+use recording::files::source_error::Explained;
+use recording::{ChannelMap, RecordingError, guess, survey};
 
 use super::console::Console;
 use super::ending::DOCUMENT;
@@ -22,10 +23,10 @@ to test the others, and whether valve and rod were moved. With a machine file al
 
 A column is known by its name with a unit, such as `position [mm]`. One that is called otherwise is mapped, here by
 --map \"position=Kolbenweg [mm]\", for all recordings of a drive in the machine file by a line `position = \"Kolbenweg [mm]\"` in
-[channels]. Names: time command spool flow pump_speed valve_direction pressure_a pressure_b supply_pressure tank_pressure
+[channels]. Where no header is known, a block [channels] is guessed, to be checked and pasted. Names: time command spool flow pump_speed valve_direction pressure_a pressure_b supply_pressure tank_pressure
 other_flow other_flow_2 other_flow_3 load_force force position velocity angle oil_temperature reference")]
 pub struct Arguments {
-    /// Recordings (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
+    /// Recordings (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
     #[arg(value_name = "R.csv", required = true)]
     recordings: Vec<PathBuf>,
     /// Machine file of the drive (TOML, SI units)
@@ -45,7 +46,13 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let file = arguments.machine.as_deref().map(machine_file::read).transpose()?;
     let channels = file.as_ref().map(|file| file.channels.clone()).unwrap_or_default().overlaid_with(&maps);
-    let recordings = input::recordings(&arguments.recordings, &channels, console)?;
+    let recordings = match input::recordings(&arguments.recordings, &channels, console) {
+        Ok(recordings) => recordings,
+        Err(error) => {
+            guess(&error, &arguments.recordings, console)?;
+            return Err(error);
+        }
+    };
     let bar = console.progress(recordings.len(), "inspecting");
     let inspected = |recording| {
         let found = Inspection::of(recording, file.as_ref());
@@ -59,5 +66,25 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     }
     let texts: Vec<String> = found.iter().map(|found| report::inspect::text(found, console.width)).collect();
     console.print(texts.join("\n").trim_end())?;
+    let nothing_known = recordings.iter().position(|recording| recording.columns().len() == 1);
+    if let Some(columns) = nothing_known.and_then(|index| survey(&arguments.recordings[index]).ok()) {
+        console.print(format_args!("\n{}", guess::block(&columns)))?;
+    }
     Ok(Outcome::Done)
+}
+
+/// Where no header is known: prints what its columns may hold, to be pasted into the machine file.
+fn guess(error: &CliError, recordings: &[PathBuf], console: &mut Console<'_>) -> Result<(), CliError> {
+    let CliError::Recording(error) = error else { return Ok(()) };
+    let is_unknown = matches!(
+        error,
+        RecordingError::NoTimeColumn { .. } | RecordingError::NothingKnown { .. } | RecordingError::NoTimes { .. }
+    );
+    let named = |path: &&PathBuf| error.place().file.starts_with(&path.display().to_string());
+    let columns = recordings.iter().find(named).filter(|_| is_unknown).and_then(|path| survey(path).ok());
+    // A file in which nothing can be guessed has no header at all.
+    if let Some(columns) = columns.filter(|columns| !guess::channels(columns).is_empty()) {
+        console.print(guess::block(&columns))?;
+    }
+    Ok(())
 }

@@ -45,7 +45,7 @@ pub struct Arguments {
     /// Excitation that is judged beside the best one, such as "steps:4V"
     #[arg(long, value_name = "signal", conflicts_with = "recording")]
     input: Option<String>,
-    /// Recording whose excitation is judged beside the best one (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
+    /// Recording whose excitation is judged beside the best one (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
     #[arg(long, value_name = "R.csv")]
     recording: Option<PathBuf>,
     /// Which column holds a signal, where its header does not say; may be repeated

@@ -44,7 +44,7 @@ Inputs: zero:2s  step:4V,0.5s  steps:4V  sweep:6.5V,0.4Hz,5Hz,4s  random:10V,0.0
 pub struct Arguments {
     #[command(flatten)]
     machine: MachineArguments,
-    /// Recording to simulate (CSV, TwinCAT Scope text, .mat, .mf4, .parquet)
+    /// Recording to simulate (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
     #[arg(long, value_name = "R.csv")]
     recording: Option<PathBuf>,
     /// Signal at the command, such as "step:4V"

@@ -29,6 +29,7 @@ fn rows_that_the_line_lost_are_told() {
     assert_eq!(output.status.code(), Some(0));
     let note = text(&output.stderr);
     assert!(note.contains("of 1000 rows are lost (1 frames missing, 1 damaged or foreign)"), "{note}");
+    assert!(note.contains(" rows stand behind a gap in the frames"), "{note}");
 }
 
 #[test]

@@ -60,6 +60,35 @@ fn the_help_lists_every_name_that_a_column_can_be_mapped_to() {
 }
 
 #[test]
+fn where_no_header_is_known_a_block_of_channels_is_guessed_that_can_be_pasted() {
+    let rows = "0;10,5;0;50,5\n10;10,6;1;51\n20;10,7;2;51,5\n";
+    let folder = folder_with(MACHINE, &format!("Zeit [ms];Kolbenweg [mm];U [V];Druck A [bar]\n{rows}"));
+    let output = run(folder.path(), &["inspect", "run.csv"]);
+    assert_eq!(output.status.code(), Some(2));
+    let block = text(&output.stdout);
+    assert!(block.starts_with("[channels] # guessed from names, units and shapes: check every line\n"), "{block}");
+    std::fs::write(folder.path().join("pasted.toml"), format!("{MACHINE}\n{block}")).unwrap();
+    let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "pasted.toml"]);
+    for signal in ["command    U [V]", "position   Kolbenweg [mm]", "pressure_a   Druck A [bar]"] {
+        let found = printed.lines().any(|line| {
+            line.split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" ")
+                .starts_with(&signal.split_whitespace().collect::<Vec<_>>().join(" "))
+        });
+        assert!(found, "{signal}: {printed}");
+    }
+    // With a known time and nothing else, too.
+    std::fs::write(folder.path().join("run.csv"), format!("time [ms];Kolbenweg [mm];U [V];p [bar]\n{rows}")).unwrap();
+    let printed = done(folder.path(), &["inspect", "run.csv"]);
+    assert!(printed.contains("position = \"Kolbenweg [mm]\""), "{printed}");
+    // A block that was made for one logger does not break another.
+    std::fs::write(folder.path().join("run.csv"), "time [s],position [mm],Kolbenweg\n0,1,9\n1,2,9\n2,3,9\n").unwrap();
+    let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "pasted.toml"]);
+    assert!(printed.contains("position [mm]"), "{printed}");
+}
+
+#[test]
 fn duplicates_gaps_and_wrong_units_are_told() {
     let mut recording = String::from("time [s],command [V],spool [1],position [mm],pressure_a [MPa]\n");
     for row in (0..400).filter(|row| !(200..250).contains(row)) {
@@ -109,10 +138,12 @@ fn every_column_without_a_unit_is_named_at_once() {
 fn headers_as_they_are_can_be_mapped_with_their_units() {
     let folder = folder_with(MACHINE, "Zeit (s),Weg (mm)\n0,1\n0.001,2\n");
     let message = refused(folder.path(), &["inspect", "run.csv"]);
-    assert!(message.contains("--map \"time=Zeit (s) […]\"") && message.contains("begin with `#`"), "{message}");
-    let maps = ["--map", "time=Zeit (s) [s]", "--map", "position=Weg (mm) [mm]"];
-    let printed = done(folder.path(), &[&["inspect", "run.csv"][..], &maps].concat());
-    assert!(printed.contains(" position   Weg (mm)   1.000   2.000   mm "), "{printed}");
+    assert!(message.contains("--map \"time=Zeit (s)\"") && message.contains("begin with `#`"), "{message}");
+    for [time, position] in [["Zeit (s) [s]", "Weg (mm) [mm]"], ["Zeit (s)", "Weg (mm)"], ["Zeit", "Weg [mm]"]] {
+        let maps = ["--map", &format!("time={time}"), "--map", &format!("position={position}")];
+        let printed = done(folder.path(), &[&["inspect", "run.csv"][..], &maps].concat());
+        assert!(printed.contains(" position   Weg (mm)   1.000   2.000   mm "), "{printed}");
+    }
 }
 
 #[test]

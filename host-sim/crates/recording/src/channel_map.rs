@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::linkage::Linkage;
-use crate::signal::Signal;
+use crate::signal::{Signal, split_header};
 
 /// How the readings of a sensor become the signal's value in SI units: (reading − zero)/full.
 ///
@@ -99,8 +99,10 @@ pub enum MapError {
         /// Every known name.
         known: String,
     },
-    /// There is nothing after `=`.
-    #[error("`{argument}` names no column; expected the header of a column after `=`")]
+    /// There is no name after `=`.
+    #[error(
+        "`{argument}` names no column; expected the header of a column after `=`. A column without a name cannot be mapped: such a one numbers the rows"
+    )]
     NoHeader {
         /// The argument.
         argument: String,
@@ -127,7 +129,7 @@ impl ChannelMap {
             };
             let signal = signal_named(name.trim())?;
             let header = header.trim().to_owned();
-            if header.is_empty() {
+            if split_header(&header).0.is_empty() {
                 return Err(MapError::NoHeader { argument: argument.to_owned() });
             }
             if let Some(first) = map.get(signal) {
@@ -206,6 +208,7 @@ mod tests {
         let error = |argument| ChannelMap::from_arguments([argument]).unwrap_err();
         assert!(matches!(error("position"), MapError::NoEqualsSign { .. }));
         assert!(matches!(error("position="), MapError::NoHeader { .. }));
+        assert!(matches!(error("time= [s]"), MapError::NoHeader { .. }), "the index that pandas writes");
         assert!(matches!(error("positon=x"), MapError::UnknownSignal { nearest: "position", .. }));
         let twice = ChannelMap::from_arguments(["spool=a", "spool=b"]).unwrap_err();
         assert!(matches!(twice, MapError::Twice { .. }));

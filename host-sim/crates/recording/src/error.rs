@@ -5,8 +5,10 @@ use std::{fmt, io};
 use crate::files::atomic;
 use crate::files::source_error::{Explained, Place, after_number, counted, engineering, quoted};
 use crate::formats::format::Format;
+use crate::formats::text::decimal_mark::MarkFault;
 use crate::formats::unsupported::Unsupported;
-use crate::signal::Signal;
+use crate::signal::{Signal, split_header};
+use crate::unit::{Dimension, Unit};
 use crate::unit_in_name::variable;
 
 /// Why a recording cannot be read, or cannot be used for the purpose in hand.
@@ -35,8 +37,8 @@ pub enum RecordingError {
     ControlCharacter { place: Place, character: char },
     /// A quotation mark is not closed on its line.
     OpenQuote { place: Place },
-    /// The first column is not time.
-    NoTimeColumn { place: Place, header: String },
+    /// No column is time; `present` are the columns' names.
+    NoTimeColumn { place: Place, present: Vec<String> },
     /// Two columns hold the same signal.
     DuplicateColumn { place: Place, signal: Signal, first: String, second: String },
     /// Known names without a unit in brackets; `place` is where the first one stands.
@@ -53,6 +55,10 @@ pub enum RecordingError {
     RaggedRow { place: Place, found: usize, expected: usize },
     /// A cell of a known column is not a number.
     NotANumber { place: Place, header: String, found: String },
+    /// The mark in a number does not say, or contradicts, which number it is.
+    Mark { place: Place, header: String, found: String, fault: MarkFault },
+    /// A time that is not written as those of the rows above.
+    NotAStamp { place: Place, header: String, found: String },
     /// A cell of a known column is NaN or infinite, as written or after conversion to SI.
     NotFinite { place: Place, header: String, found: String },
     /// An angle of the joint beyond what the linkage reaches, all in the unit of the file.
@@ -114,6 +120,8 @@ impl Explained for RecordingError {
             | E::ColumnAbsent { place, .. }
             | E::RaggedRow { place, .. }
             | E::NotANumber { place, .. }
+            | E::Mark { place, .. }
+            | E::NotAStamp { place, .. }
             | E::NotFinite { place, .. }
             | E::AngleOutOfReach { place, .. }
             | E::TimeBackwards { place, .. }
@@ -154,7 +162,8 @@ impl Explained for RecordingError {
                 format!("control character U+{:04X}, which is not text", u32::from(*character))
             }
             E::OpenQuote { .. } => "a quotation mark that is not closed on its line".into(),
-            E::NoTimeColumn { header, .. } => format!("the first column is {}", quoted(header)),
+            E::NoTimeColumn { present, .. } if are_numbers(present) => "numbers where the header should be".into(),
+            E::NoTimeColumn { .. } => "no column is time".into(),
             E::DuplicateColumn { signal, first, second, .. } => {
                 format!("columns {} and {} both hold {signal}", quoted(first), quoted(second))
             }
@@ -174,8 +183,13 @@ impl Explained for RecordingError {
             }
             E::ColumnAbsent { header, .. } => format!("{} is not a column of this file", quoted(header)),
             E::RaggedRow { found, .. } => format!("a row of {found} cells"),
-            E::NotANumber { header, found, .. } | E::NotFinite { header, found, .. } => {
+            E::NotANumber { header, found, .. }
+            | E::NotFinite { header, found, .. }
+            | E::NotAStamp { header, found, .. } => {
                 format!("column {} holds {}", quoted(header), quoted(found))
+            }
+            E::Mark { header, found, fault, .. } => {
+                format!("column {} holds {}{}", quoted(header), quoted(found), fault.found(found))
             }
             E::AngleOutOfReach { found, unit, .. } => {
                 format!("a joint angle of {found} {unit}, which the linkage of the machine file does not reach")
@@ -228,13 +242,7 @@ impl Explained for RecordingError {
             }
             E::ControlCharacter { .. } => "a text file in UTF-8 with line ends LF or CRLF".into(),
             E::OpenQuote { .. } => "a closing quotation mark on the same line".into(),
-            E::NoTimeColumn { header, .. } => {
-                let unit = if header.contains('[') { "" } else { " […]" };
-                format!(
-                    "`time [s]` (or ms, µs) in the first column, or --map \"time={header}{unit}\"; other columns as well, by the names of \
-                     `host-sim inspect --help`. Lines above the header begin with `#`"
-                )
-            }
+            E::NoTimeColumn { present, .. } => time_column(present),
             E::DuplicateColumn { signal, .. } => format!("one column for {signal}; choose with --map \"{signal}=…\""),
             E::MissingUnit { place, columns } => {
                 let [(signal, header), ..] = columns.as_slice() else { return String::new() };
@@ -264,6 +272,8 @@ impl Explained for RecordingError {
             E::NotANumber { .. } => {
                 "a decimal number such as -12.5 or 1.5e-3; units stand in the header, as `position [mm]`".into()
             }
+            E::Mark { fault, .. } => fault.expected().into(),
+            E::NotAStamp { .. } => "a time written as in the rows above, such as 2024-05-06T07:08:09.125".into(),
             E::NotFinite { .. } => "a finite number".into(),
             E::AngleOutOfReach { from, to, unit, .. } => {
                 let [from, to] = [from, to].map(|end| (1e4 * end).round() / 1e4);
@@ -309,6 +319,30 @@ impl Explained for RecordingError {
             E::LengthMismatch { expected, .. } => format!("{expected}, one for each time"),
         }
     }
+}
+
+/// What a text without time needs, which has these columns.
+fn time_column(present: &[String]) -> String {
+    if are_numbers(present) {
+        return "a header such as `time [s],command [V],position [mm]` in the first line that is no comment (`#`)"
+            .into();
+    }
+    // The index that pandas writes has no name.
+    let named: Vec<String> = present.iter().filter(|header| !header.is_empty()).cloned().collect();
+    let is_of_time = |header: &&String| {
+        split_header(header).1.and_then(Unit::parse).is_some_and(|unit| unit.dimension() == Dimension::Time)
+    };
+    let suggested = named.iter().find(is_of_time).map_or("… [s]", String::as_str);
+    format!(
+        "a column `time [s]` (or ms, µs), or --map \"time={suggested}\"; other columns as well, by the names of `host-sim inspect --help`. Lines \
+         above the header begin with `#`. The file has: {}",
+        few(&named)
+    )
+}
+
+/// Whether a header is a row of numbers.
+fn are_numbers(names: &[String]) -> bool {
+    names.iter().all(|name| name.replacen(',', ".", 1).parse::<f64>().is_ok())
 }
 
 /// Names for a message; where there are many, only some of them.

@@ -24,21 +24,67 @@ struct Meant {
 }
 
 impl Offer {
-    /// The header of a plain recording.
-    pub(crate) fn plain(header: &str) -> Self {
+    /// The header of a plain recording, and its unit where a row of its own has it.
+    pub(crate) fn beside(header: &str, beside: Option<&str>) -> Self {
         let (name, unit) = split_header(header);
-        Self { header: header.to_owned(), names: vec![(name.to_owned(), unit.map(str::to_owned))] }
+        let owned = |unit: Option<&str>| unit.map(str::to_owned);
+        let mut names = vec![(name.to_owned(), owned(unit.or(beside)))];
+        names.extend((name != header).then(|| (header.to_owned(), owned(beside))));
+        // Written back, the unit stands with the name.
+        let written = match (unit, beside) {
+            (None, Some(beside)) => format!("{header} [{beside}]"),
+            _ => header.to_owned(),
+        };
+        Self { header: written, names }
     }
 
     /// The unit that a mapping gives this column, if the mapping refers to this column.
     fn meant_by(&self, mapping: &Mapping) -> Option<Meant> {
-        let (name, unit) = split_header(&mapping.header);
-        self.names.iter().find_map(|(own_name, own_unit)| match (unit, own_unit) {
-            _ if own_name != name => None,
-            (Some(unit), Some(own)) if unit != own => None,
-            (unit, own) => Some(Meant { unit: unit.map(str::to_owned).or_else(|| own.clone()) }),
-        })
+        let given = mapping.header.trim();
+        let whole = |(own_name, own_unit): &(String, Option<String>)| {
+            (own_name == given).then(|| Meant { unit: own_unit.clone().or_else(|| self.unit_in_a_name()) })
+        };
+        let (name, unit) = split_header(given);
+        let parted = |(own_name, own_unit): &(String, Option<String>)| match (unit, own_unit) {
+            // A column without a name, such as the index that pandas writes, is nobody's.
+            _ if own_name != name || name.is_empty() => None,
+            (Some(unit), Some(own)) if !is_same_unit(unit, own) => None,
+            (unit, own) => {
+                let unit = unit.map(str::to_owned).or_else(|| own.clone());
+                Some(Meant { unit: unit.or_else(|| self.unit_in_a_name()) })
+            }
+        };
+        if unit.is_none() { self.names.iter().find_map(whole) } else { self.names.iter().find_map(parted) }
     }
+
+    /// Whether a mapping refers to this column.
+    pub(crate) fn is_meant_by(&self, mapping: &Mapping) -> bool {
+        self.meant_by(mapping).is_some()
+    }
+
+    /// Its values are times in s, whatever its header says.
+    pub(crate) fn is_in_seconds(&mut self) {
+        for (_, unit) in &mut self.names {
+            *unit = Some("s".to_owned());
+        }
+        let name = split_header(&self.header).0;
+        self.header = format!("{name} [s]");
+    }
+
+    /// Whether one of its names is that of the signal.
+    pub(crate) fn is_named(&self, signal: Signal) -> bool {
+        self.names.iter().any(|(name, _)| Signal::parse(name) == Some(signal))
+    }
+
+    /// The unit that one of its names ends with, as in `Kolbenweg_mm`.
+    fn unit_in_a_name(&self) -> Option<String> {
+        self.names.iter().find_map(|(_, unit)| unit.clone())
+    }
+}
+
+/// Whether two texts spell the same unit.
+pub(crate) fn is_same_unit(one: &str, other: &str) -> bool {
+    one == other || Unit::parse(one).is_some_and(|unit| Unit::parse(other) == Some(unit))
 }
 
 /// The known columns among those offered, with their index, and the headers of the others.
@@ -60,8 +106,14 @@ pub(crate) fn assign(
     let mut mapped = Vec::new();
     let mut without_unit: Option<(Place, Vec<(Signal, String)>)> = None;
     for (signal, mapping) in map.iter() {
-        let found = offers.iter().position(|offer| offer.meant_by(mapping).is_some());
-        match found {
+        let found = offers.iter().position(|offer| offer.is_meant_by(mapping));
+        // What a machine file says of one logger's columns does not stand in the way of another's that are known by their names.
+        let is_unusable = |index: usize| {
+            let meant = offers[index].meant_by(mapping).and_then(|meant| meant.unit);
+            let fits = unit_of(signal, mapping.scale, &mapping.header, meant.as_deref(), || file.clone()).is_ok();
+            !fits && (0..offers.len()).any(|other| other != index && offers[other].is_named(signal))
+        };
+        match found.filter(|index| mapping.required || !is_unusable(*index)) {
             Some(index) => mapped.push((index, signal, mapping)),
             None if mapping.required => {
                 let present = offers.iter().map(|offer| offer.header.clone()).collect();
@@ -82,7 +134,8 @@ pub(crate) fn assign(
                 .filter(|(signal, ..)| mapped.iter().all(|(_, other, _)| other != signal)),
         };
         let Some((signal, unit, scale)) = found else {
-            assignment.ignored.push(offer.header.clone());
+            // The index that pandas writes has no name.
+            assignment.ignored.extend(Some(offer.header.clone()).filter(|header| !header.is_empty()));
             continue;
         };
         let unit = match unit_of(signal, scale, &offer.header, unit.as_deref(), || place(index)) {

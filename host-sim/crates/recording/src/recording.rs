@@ -54,12 +54,17 @@ pub enum Note {
         /// The number of rows that fit no clock and were spread within their stamps.
         within_stamps: usize,
     },
-    /// Rows with an empty cell in a known column were left out.
+    /// Rows without a value in a known column (an empty cell, NaN, null) were left out.
     IncompleteRows {
         /// How many.
         rows: usize,
         /// Where the first one is.
         first: At,
+    },
+    /// The last line of a text is cut off and was not read.
+    CutLine {
+        /// Its number.
+        line: usize,
     },
     /// There are intervals without rows that are longer than ten usual intervals.
     Gaps {
@@ -134,6 +139,7 @@ impl fmt::Display for Note {
             Note::IncompleteRows { rows, first } => {
                 write!(f, "{rows} rows have an empty cell and are left out, the first in {first}")
             }
+            Note::CutLine { line } => write!(f, "line {line}, the last one, is cut off and is not read"),
             Note::Gaps { count, longest_s, at_s } => {
                 let which = if *count == 1 { "" } else { "the longest " };
                 let (longest, at) = (engineering(rounded(*longest_s)), engineering(*at_s));
@@ -210,8 +216,8 @@ impl Recording {
         let rows = match columns.first() {
             Some(first) if first.signal == Signal::Time => first.values.len(),
             other => {
-                let header = other.map_or_else(String::new, |column| column.header.clone());
-                return Err(RecordingError::NoTimeColumn { place: place(), header });
+                let present = other.iter().map(|column| column.header.clone()).collect();
+                return Err(RecordingError::NoTimeColumn { place: place(), present });
             }
         };
         if rows < 2 {

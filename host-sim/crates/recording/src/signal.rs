@@ -96,15 +96,33 @@ impl fmt::Display for Signal {
 
 /// Splits a column header: `Kolbenweg [mm]` is the name `Kolbenweg` with the unit `mm`.
 ///
-/// The unit stands in the last pair of brackets, where the header ends with it.
+/// The unit stands in the last pair of brackets, where the header ends with it. A known unit of a signal may also stand as in `Kolbenweg (mm)`,
+/// `Kolbenweg in mm` or, after the standard on quantities and units, `Kolbenweg/mm`.
 #[must_use]
 pub(crate) fn split_header(header: &str) -> (&str, Option<&str>) {
     let header = header.trim();
     match header.strip_suffix(']').and_then(|rest| rest.rsplit_once('[')) {
         Some((name, unit)) if !unit.trim().is_empty() => (name.trim(), Some(unit.trim())),
         Some((name, _)) => (name.trim(), None),
-        None => (header, None),
+        None => split_other(header).map_or((header, None), |(name, unit)| (name, Some(unit))),
     }
+}
+
+/// A header whose unit does not stand in brackets.
+fn split_other(header: &str) -> Option<(&str, &str)> {
+    let known = |(name, unit): (&'_ str, &'_ str)| {
+        // `Weg (1)` is the second of two columns, and `U(t)` a function.
+        let unit = Unit::parse(unit).filter(|unit| unit.symbol() != "1")?;
+        let is_recorded = Signal::ALL.iter().any(|signal| signal.dimensions().contains(&unit.dimension()));
+        (is_recorded && !name.trim().is_empty()).then_some(())
+    };
+    let in_parentheses = header.strip_suffix(')').and_then(|rest| rest.rsplit_once('('));
+    // In `v/mm/s` the first stroke counts, in `Rig/v/s` the last one.
+    let strokes = header.match_indices('/').map(|(at, _)| (&header[..at], &header[at + 1..]));
+    let by_stroke = strokes.map(|(name, unit)| (name, unit.trim().trim_start_matches('(').trim_end_matches(')')));
+    let mut all = in_parentheses.into_iter().chain(header.rsplit_once(" in ")).chain(by_stroke);
+    let (name, unit) = all.find(|parts| known(*parts).is_some())?;
+    Some((name.trim().trim_end_matches('/').trim(), unit.trim()))
 }
 
 #[cfg(test)]
@@ -127,5 +145,14 @@ mod tests {
         assert_eq!(split_header("a[1].p [bar]"), ("a[1].p", Some("bar")));
         assert_eq!(split_header("valve_direction"), ("valve_direction", None));
         assert_eq!(split_header("position []"), ("position", None));
+        assert_eq!(split_header("Kolbenweg (mm)"), ("Kolbenweg", Some("mm")));
+        assert_eq!(split_header("pressure_a(bar)"), ("pressure_a", Some("bar")));
+        assert_eq!(split_header("Zeit/s"), ("Zeit", Some("s")));
+        assert_eq!(split_header("v/mm/s"), ("v", Some("mm/s")));
+        assert_eq!(split_header("v / (mm/s)"), ("v", Some("mm/s")));
+        assert_eq!(split_header("Kolbenweg in mm"), ("Kolbenweg", Some("mm")));
+        for plain in ["Kolbenweg (1)", "U(t)", "x (raw)", "Model/Weg/Out1", "/s", "(mm)", "built in"] {
+            assert_eq!(split_header(plain), (plain, None));
+        }
     }
 }

@@ -9,7 +9,9 @@ use std::path::Path;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::formats::read::open;
-use crate::formats::text::lines::{Input, Lines, most_rows, parse_number};
+use crate::formats::text::decimal_mark::{DecimalMark, is_missing};
+use crate::formats::text::heading::Heading;
+use crate::formats::text::lines::{Input, Lines, most_rows};
 use crate::recording::{At, Note};
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};
@@ -47,42 +49,38 @@ impl StaticTable {
     fn of_text(name: &str, input: Input<'_>) -> Result<Self, RecordingError> {
         let mut lines = Lines::new(name, input);
         let file = lines.file();
-        let (header, mut splitter) = lines.header()?;
-        let separator = splitter.separator();
+        let (mut heading, mut splitter) = Heading::read(&mut lines)?;
+        heading.look_below(&mut lines, &mut splitter)?;
         let mut columns: Vec<(String, Vec<f64>)> =
-            splitter.split(header)?.iter().map(|header| (header.to_owned(), Vec::new())).collect();
+            heading.offers().into_iter().map(|offer| (offer.header, Vec::new())).collect();
+        let mut mark = DecimalMark::new(heading.separator);
         let (mut rows, mut incomplete) = (0, 0);
         while let Some(line) = lines.next()? {
             let cells = splitter.split(line)?;
-            if cells.len() != columns.len() {
-                return Err(RecordingError::RaggedRow {
-                    place: line.whole(),
-                    found: cells.len(),
-                    expected: columns.len(),
-                });
+            let (found, expected) = (cells.len(), columns.len());
+            if found < expected || (expected..found).any(|index| !cells.get(index).is_empty()) {
+                return Err(RecordingError::RaggedRow { place: line.whole(), found, expected });
             }
-            let most = most_rows(columns.len());
+            let most = most_rows(expected);
             if rows == most {
                 return Err(RecordingError::TooManyRows { place: line.whole(), most });
             }
             rows += 1;
-            if cells.iter().any(str::is_empty) {
+            if (0..expected).any(|index| is_missing(cells.get(index))) {
                 incomplete += 1;
                 continue;
             }
-            for (index, ((header, values), text)) in columns.iter_mut().zip(cells.iter()).enumerate() {
-                let (place, header, found) = (|| line.cell(separator, index), || header.clone(), || text.to_owned());
-                match parse_number(text, separator != b',') {
-                    None => {
-                        return Err(RecordingError::NotANumber { place: place(), header: header(), found: found() });
-                    }
-                    Some(value) if !value.is_finite() => {
-                        return Err(RecordingError::NotFinite { place: place(), header: header(), found: found() });
-                    }
-                    Some(value) => values.push(value),
+            for (index, (header, values)) in columns.iter_mut().enumerate() {
+                let text = cells.get(index);
+                let value = mark.number(line, header, text, index)?;
+                if !value.is_finite() {
+                    let (place, header) = (line.cell(heading.separator, index), header.clone());
+                    return Err(RecordingError::NotFinite { place, header, found: text.to_owned() });
                 }
+                values.push(value);
             }
         }
+        mark.check()?;
         let kept = rows - incomplete;
         if kept < 2 {
             return Err(RecordingError::TooFewRows { place: file, rows: kept, skipped: incomplete });
@@ -121,13 +119,14 @@ impl StaticTable {
         Ok((own, values))
     }
 
-    /// The times in the first column, s, if it is a clock.
+    /// The times, s, if a column is a clock.
     #[must_use]
     pub fn clock_s(&self) -> Option<Vec<f64>> {
-        let (header, values) = self.columns.first()?;
-        let (name, unit) = split_header(header);
-        let unit = Unit::parse(unit?).filter(|unit| unit.dimension() == Dimension::Time)?;
-        (Signal::parse(name) == Some(Signal::Time)).then(|| values.iter().map(|&value| unit.to_si(value)).collect())
+        self.columns.iter().find_map(|(header, values)| {
+            let (name, unit) = split_header(header);
+            let unit = Unit::parse(unit?).filter(|unit| unit.dimension() == Dimension::Time)?;
+            (Signal::parse(name) == Some(Signal::Time)).then(|| values.iter().map(|&value| unit.to_si(value)).collect())
+        })
     }
 }
 

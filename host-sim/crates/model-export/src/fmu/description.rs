@@ -33,7 +33,7 @@ pub fn description(contents: &Contents) -> Fmi3ModelDescription {
     Fmi3ModelDescription {
         fmi_version: "3.0".to_owned(),
         model_name: printable(&contents.name),
-        instantiation_token: token(source),
+        instantiation_token: token(contents),
         description: Some(format!("Hydraulic drive, stepped by {} ms in {arithmetic}; SI units", 1e3 * tick_s)),
         generation_tool: Some(concat!("host-sim ", env!("CARGO_PKG_VERSION")).to_owned()),
         variable_naming_convention: Some("flat".to_owned()),
@@ -77,7 +77,10 @@ fn described(variable: Variable, contents: &Contents) -> FmiFloat64 {
         Role::Parameter => (Causality::Parameter, Variability::Fixed, Some(Initial::Exact)),
         Role::Output => (Causality::Output, Variability::Continuous, Some(Initial::Calculated)),
     };
+    let range = variable.range(&contents.machine);
     FmiFloat64 {
+        min: range.map(|(min, _)| min),
+        max: range.map(|(_, max)| max),
         declared_type: Some(of(variable).name.to_owned()),
         ..FmiFloat64::new(
             variable.name().to_owned(),
@@ -167,7 +170,21 @@ mod tests {
         let command = variables.iter().find(|variable| variable.name() == "command").unwrap();
         assert_eq!((command.declared_type(), command.start()), (Some("Voltage"), Some(&[0.0][..])));
         let start = variables.iter().find(|variable| variable.name() == "position_start").unwrap();
-        assert_eq!(start.start(), Some(&[0.5 * contents.machine.get(Parameter::Stroke)][..]));
+        let stroke_m = contents.machine.get(Parameter::Stroke);
+        assert_eq!(start.start(), Some(&[0.5 * stroke_m][..]));
+        assert_eq!((start.min, start.max, variables[0].max), (Some(0.0), Some(stroke_m), None));
+    }
+
+    #[test]
+    fn the_token_is_that_of_one_drive_and_not_of_its_name() {
+        let of = |name: &str, changes: &[(Parameter, f64)]| token(&contents(name, &press(changes)));
+        assert_eq!(of("a", &[]), of("b", &[]));
+        assert!(of("a", &[]).starts_with(concat!("drive-fmu/", env!("CARGO_PKG_VERSION"), "/valve/")));
+        let next = press(&[]).get(Parameter::SupplyPressure).next_up();
+        assert_ne!(of("a", &[]), of("a", &[(Parameter::SupplyPressure, next)]));
+        let mut other = contents("a", &press(&[]));
+        other.settings.tick = Tick::HalfMillisecond;
+        assert_ne!(of("a", &[]), token(&other));
     }
 
     #[test]

@@ -11,7 +11,7 @@ mod library;
 mod units;
 mod variable;
 
-use model_core::machine::Source;
+use crc::{CRC_64_XZ, Crc};
 
 pub use archive::pack;
 pub use contents::{Contents, ContentsError, FmuError, Settings};
@@ -19,8 +19,19 @@ pub use description::{MODEL_IDENTIFIER, description};
 pub use library::{Library, LibraryError};
 pub use variable::{Role, Variable};
 
-/// What the description and the library must agree on: the library's version and the list of variables.
+/// A checksum of what a state of the drive depends on.
+const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
+
+/// What the description, the library and a stored state must agree on: the library's version, the list of variables, and the drive with its tick and number type.
 #[must_use]
-pub fn token(source: Source) -> String {
-    format!("drive-fmu/{}/{}", env!("CARGO_PKG_VERSION"), source.name())
+pub fn token(contents: &Contents) -> String {
+    let (version, source) = (env!("CARGO_PKG_VERSION"), contents.machine.source.name());
+    format!("drive-fmu/{version}/{source}/{:016x}", fingerprint(contents))
+}
+
+/// A number that differs from drive to drive: of all values, of the tick and of the number type. What the drive is called does not matter.
+#[must_use]
+pub fn fingerprint(contents: &Contents) -> u64 {
+    // Every value is in it with all its digits.
+    CRC.checksum(format!("{:?} {:?}", contents.machine, contents.settings).as_bytes())
 }

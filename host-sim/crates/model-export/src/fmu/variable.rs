@@ -172,6 +172,12 @@ impl Variable {
         }
     }
 
+    /// The smallest and the largest value that a tool may set; `None` where every finite one is allowed, or the drive computes it.
+    #[must_use]
+    pub fn range(self, machine: &Machine<f64>) -> Option<(f64, f64)> {
+        (self == Variable::PositionAtStart).then(|| (0.0, machine.get(Parameter::Stroke)))
+    }
+
     /// Its value among the inputs of a drive, if it is one.
     #[must_use]
     pub const fn of_inputs(self, inputs: &Inputs) -> Option<f64> {

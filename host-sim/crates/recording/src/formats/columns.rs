@@ -15,7 +15,7 @@ use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::formats::coarse_stamps::CoarseStamps;
 use crate::formats::text::lines::{MAX_COLUMNS, most_rows};
-use crate::header::{Assignment, Offer, assign, one};
+use crate::header::{Assignment, Offer, assign, is_same_unit, one};
 use crate::recording::{At, Column, LeftOut, Note, Recording};
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};
@@ -30,6 +30,8 @@ pub(crate) struct Offered {
     pub(crate) also: Vec<String>,
     /// Its unit, where the file stores one beside the name.
     pub(crate) unit: Option<String>,
+    /// Whether this unit follows from the type of the numbers, and so is the right one whatever the name says.
+    pub(crate) is_typed: bool,
     /// Index of the file's base that it belongs to.
     pub(crate) base: usize,
     /// Whether the file itself, not the name, marks it as its base's clock; its unit is then s, where the file gives none.
@@ -104,10 +106,18 @@ fn offer(offered: &Offered) -> Offer {
     let own_unit = || offered.unit.as_deref().map(str::trim).filter(|unit| !unit.is_empty()).map(str::to_owned);
     let mut names = Vec::new();
     for name in std::iter::once(&offered.name).chain(&offered.also) {
-        let (short, unit) = split_header(name);
+        let (short, in_name) = split_header(name);
+        let unit = match (in_name, own_unit()) {
+            (Some(in_name), Some(own)) if !offered.is_typed && !is_same_unit(in_name, &own) => {
+                // Neither of the two can be believed.
+                Some(format!("{in_name} in its name, {own} beside it"))
+            }
+            (Some(in_name), None) => Some(in_name.to_owned()),
+            (_, own) => own,
+        };
         names.push((name.clone(), own_unit()));
-        names.push((short.to_owned(), unit.map(str::to_owned).or_else(own_unit)));
-        let suffix = split_suffix(name).filter(|_| unit.is_none() && offered.unit.is_none());
+        names.push((short.to_owned(), unit));
+        let suffix = split_suffix(name).filter(|_| in_name.is_none() && offered.unit.is_none());
         names.extend(suffix.map(|(short, unit)| (short.to_owned(), Some(unit.symbol().to_owned()))));
     }
     Offer { header: offered.name.clone(), names }
@@ -146,7 +156,10 @@ impl<C: Contents> File<'_, C> {
     /// The time series of each base: the series that is mapped to time or known as time, or else the base's clock.
     fn clocks(&self, map: &ChannelMap) -> Result<Vec<(usize, Column)>, RecordingError> {
         let mut clocks: Vec<(usize, Column)> = Vec::new();
+        // A machine file may map the time of another logger's files.
         let mapping = map.get(Signal::Time);
+        let is_here = mapping.is_some_and(|mapping| self.offers.iter().any(|offer| offer.is_meant_by(mapping)));
+        let mapping = mapping.filter(|mapping| mapping.required || is_here);
         let mut mapped = false;
         for (index, offered) in self.contents.offered().iter().enumerate() {
             let named = one(&self.offers[index], Signal::Time, mapping, || self.place(index));

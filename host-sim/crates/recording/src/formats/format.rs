@@ -21,12 +21,16 @@ pub(super) const HEAD: usize = 20;
 pub enum Format {
     /// Text with a separator, or the export of `TwinCAT` Scope.
     Text,
-    /// MATLAB's MAT-file, version 5 or 7.
+    /// MATLAB's MAT-file, version 4, 5 or 7.
     Mat,
     /// ASAM MDF 4.
     Mdf4,
     /// Apache Parquet.
     Parquet,
+    /// An Excel workbook, or another archive of its kind.
+    Xlsx,
+    /// Any of these, packed by gzip.
+    Gzip,
 }
 
 /// What files of a format are known by.
@@ -42,7 +46,7 @@ struct Row {
 }
 
 impl Format {
-    const ALL: [Self; 4] = [Self::Mat, Self::Mdf4, Self::Parquet, Self::Text];
+    const ALL: [Self; 6] = [Self::Mat, Self::Mdf4, Self::Parquet, Self::Xlsx, Self::Gzip, Self::Text];
 
     const fn row(self) -> Row {
         let (extensions, begins, name, feature): (&[&str], &[u8], _, _) = match self {
@@ -50,6 +54,8 @@ impl Format {
             Format::Mat => (&["mat"], b"MATLAB 5.0 MAT-file", "a MAT-file", Some("mat")),
             Format::Mdf4 => (&["mf4"], b"MDF     ", "an MDF file", Some("mdf4")),
             Format::Parquet => (&["parquet"], b"PAR1", "a Parquet file", Some("parquet")),
+            Format::Xlsx => (&["xlsx"], b"PK\x03\x04", "an Excel workbook", Some("xlsx")),
+            Format::Gzip => (&["gz"], b"\x1f\x8b", "a file packed by gzip", Some("gzip")),
         };
         Row { extensions, begins, name, feature }
     }
@@ -68,6 +74,9 @@ impl Format {
                 return Err(what);
             }
         }
+        if is_version_4(head) {
+            return Ok(Format::Mat);
+        }
         Ok(Self::ALL.into_iter().find(|format| head.starts_with(format.row().begins)).unwrap_or(Format::Text))
     }
 
@@ -78,11 +87,51 @@ impl Format {
     }
 }
 
+/// Bytes of the five words with which a MAT-file of version 4 begins.
+pub(super) const VERSION_4_HEAD: usize = 20;
+
+/// Whether these are the first bytes of a MAT-file of version 4, which has no word of its own at its beginning: a small number with known digits, whether its
+/// first matrix is complex, and a length of its name. No text begins so, because a byte of the first number is zero.
+pub(super) fn is_version_4(head: &[u8]) -> bool {
+    let Some(words) = head.get(..VERSION_4_HEAD).map(|head| head.as_chunks::<4>().0) else { return false };
+    [u32::from_le_bytes, u32::from_be_bytes].into_iter().any(|word| {
+        let [kind, _, _, complex, name] = [0, 1, 2, 3, 4].map(|index| word(words[index]));
+        let known = kind < 5000 && kind / 100 % 10 == 0 && kind / 10 % 10 <= 5 && kind % 10 <= 2;
+        known && complex <= 1 && (2..=4096).contains(&name)
+    })
+}
+
+const SAVED: &str = "what is read: save it as CSV or .xlsx";
+const UNPACKED: &str = "what is read: unpack it, or pack it by gzip";
+const EXPORTED: &str = "what is read: export CSV, MAT, MDF 4 or Parquet in the program that recorded it";
+const FROM_PYTHON: &str = "what is read: in Python df.to_parquet('run.parquet') or df.to_csv('run.csv')";
+
 /// Files that are not read, and why.
-const UNSUPPORTED: [(&[u8], Unsupported); 3] = [
+const UNSUPPORTED: [(&[u8], Unsupported); 24] = [
     (b"MATLAB 7.3 MAT-file", Unsupported::Hdf5),
     (b"\x89HDF\r\n\x1a\n", Unsupported::Hdf5),
     (b"UnFinMF ", Unsupported::Unfinished),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", Unsupported::Foreign("an Excel 97 workbook (.xls)", SAVED)),
+    (b"<?xml", Unsupported::Foreign("an XML file", "CSV or .xlsx, saved by the program that wrote it")),
+    (b"<html", Unsupported::Foreign("an HTML page", "CSV or .xlsx, saved by the program that wrote it")),
+    (b"%PDF", Unsupported::Foreign("a PDF document", "the numbers: CSV or .xlsx from the program that wrote it")),
+    (b"BZh", Unsupported::Foreign("a file packed by bzip2", UNPACKED)),
+    (b"\xfd7zXZ\0", Unsupported::Foreign("a file packed by xz", UNPACKED)),
+    (b"\x28\xb5\x2f\xfd", Unsupported::Foreign("a file packed by zstd", UNPACKED)),
+    (b"7z\xbc\xaf\x27\x1c", Unsupported::Foreign("a 7z archive", UNPACKED)),
+    (b"Rar!\x1a", Unsupported::Foreign("a RAR archive", UNPACKED)),
+    (b"TDSm", Unsupported::Foreign("a TDMS file of LabVIEW", EXPORTED)),
+    (b"LOGG", Unsupported::Foreign("a bus log of Vector (.blf)", EXPORTED)),
+    (b"#ROSBAG", Unsupported::Foreign("a ROS bag", EXPORTED)),
+    (b"\x89MCAP0\r\n", Unsupported::Foreign("an MCAP file", EXPORTED)),
+    (b"SQLite format 3\0", Unsupported::Foreign("a database of SQLite", EXPORTED)),
+    (b"ARROW1", Unsupported::Foreign("a file of Arrow or Feather", FROM_PYTHON)),
+    (b"Obj\x01", Unsupported::Foreign("an Avro file", FROM_PYTHON)),
+    (b"\x93NUMPY", Unsupported::Foreign("an array of NumPy", FROM_PYTHON)),
+    (b"\x80\x03", Unsupported::Foreign("an object of Python (pickle)", FROM_PYTHON)),
+    (b"\x80\x04", Unsupported::Foreign("an object of Python (pickle)", FROM_PYTHON)),
+    (b"\x80\x05", Unsupported::Foreign("an object of Python (pickle)", FROM_PYTHON)),
+    (b"PK\x05\x06", Unsupported::Foreign("an empty ZIP archive", "the recording itself")),
 ];
 
 impl fmt::Display for Format {
@@ -101,6 +150,12 @@ mod tests {
         assert_eq!(Format::of_content(b"MDF     4.10    asa"), Ok(Format::Mdf4));
         assert_eq!(Format::of_content(b"PAR1\x15\x04"), Ok(Format::Parquet));
         assert_eq!(Format::of_content(b"PAR"), Ok(Format::Text));
+        let version_4 = |kind: [u8; 4], name: [u8; 4]| [kind, [9; 4], [1; 4], [0; 4], name].concat();
+        assert_eq!(Format::of_content(&version_4([0; 4], [7, 0, 0, 0])), Ok(Format::Mat));
+        assert_eq!(Format::of_content(&version_4([0, 0, 3, 0xf2], [0, 0, 0, 7])), Ok(Format::Mat));
+        assert_eq!(Format::of_content(&version_4([0; 4], [0; 4])), Ok(Format::Text));
+        assert_eq!(Format::of_content(b"PK\x03\x04"), Ok(Format::Xlsx));
+        assert_eq!(Format::of_content(b"\x1f\x8b\x08"), Ok(Format::Gzip));
         assert_eq!(Format::of_content(b"\x89HDF\r\n\x1a\n"), Err(Unsupported::Hdf5));
         assert_eq!(Format::of_extension(Path::new("a.b/RUN.MF4")), Some(Format::Mdf4));
         assert_eq!(Format::of_extension(Path::new("mat")), None);

@@ -1,12 +1,14 @@
 //! The file formats of recordings, one file or folder for each. Start at [`read`], which recognises the format ([`format`](mod@format));
 //! `columns` turns the content of any of them into a recording.
 
-#[cfg(feature = "parquet")]
+#[cfg(any(feature = "parquet", feature = "xlsx"))]
 mod catch_panic;
 pub(crate) mod chunks;
 mod coarse_stamps;
 mod columns;
 pub mod format;
+#[cfg(feature = "gzip")]
+mod gzip;
 #[cfg(feature = "mat")]
 mod mat;
 #[cfg(feature = "mdf4")]
@@ -17,6 +19,9 @@ pub mod read;
 mod resample;
 pub mod sheet;
 mod stamp_clock;
+pub mod survey;
 pub(crate) mod text;
 pub(crate) mod unsupported;
 pub mod write;
+#[cfg(feature = "xlsx")]
+mod xlsx;

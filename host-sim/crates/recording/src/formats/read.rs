@@ -5,7 +5,9 @@ use std::io::{self, Cursor, Read};
 use std::path::Path;
 
 use super::chunks::{PART_ROWS, Parts};
-use super::format::{Format, HEAD, MAX_BINARY_BYTES};
+#[cfg(any(feature = "mat", feature = "mdf4", feature = "parquet", feature = "xlsx"))]
+use super::format::MAX_BINARY_BYTES;
+use super::format::{Format, HEAD};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
@@ -84,7 +86,7 @@ pub(crate) fn open(path: &Path) -> Result<(String, File), RecordingError> {
     }
 }
 
-fn unreadable(name: &str, source: io::Error) -> RecordingError {
+pub(super) fn unreadable(name: &str, source: io::Error) -> RecordingError {
     RecordingError::Io { place: Place::file(name), source }
 }
 
@@ -95,45 +97,35 @@ fn opened<'a>(name: &str, mut input: Input<'a>, map: &ChannelMap) -> Result<Open
     let format =
         Format::of_content(&head).map_err(|what| RecordingError::Unsupported { place: Place::file(name), what })?;
     let all = Cursor::new(head).chain(input);
-    if format == Format::Text {
-        return Opened::text(name, Box::new(all), map).map_err(|error| of_its_name(name, error));
+    match format {
+        Format::Text => Opened::text(name, Box::new(all), map).map_err(|error| of_its_name(name, error)),
+        #[cfg(feature = "gzip")]
+        Format::Gzip => {
+            let inner = super::gzip::unpacked(name, all)?;
+            opened(name, inner, map)
+        }
+        #[cfg(feature = "xlsx")]
+        Format::Xlsx => super::xlsx::open(name, held(name, all)?, map),
+        #[cfg(feature = "mat")]
+        Format::Mat => super::mat::read(name, &held(name, all)?, map).map(Opened::Whole),
+        #[cfg(feature = "mdf4")]
+        Format::Mdf4 => super::mdf4::read(name, &held(name, all)?, map).map(Opened::Whole),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => super::parquet::read(name, held(name, all)?, map).map(Opened::Whole),
+        #[allow(unreachable_patterns, reason = "reached where the program was built without a feature")]
+        format => Err(RecordingError::FeatureAbsent { place: Place::file(name), format }),
     }
-    unpacked(name, format, all, map).map(Opened::Whole)
 }
 
-/// Reads a file that is not text.
-fn unpacked(
-    name: &str,
-    format: Format,
-    packed: impl Read,
-    #[cfg_attr(
-        not(any(feature = "mat", feature = "mdf4", feature = "parquet")),
-        expect(unused_variables, reason = "no format that has columns is built in")
-    )]
-    map: &ChannelMap,
-) -> Result<Recording, RecordingError> {
+/// All bytes of a file that is not text.
+#[cfg(any(feature = "mat", feature = "mdf4", feature = "parquet", feature = "xlsx"))]
+pub(super) fn held(name: &str, packed: impl Read) -> Result<Vec<u8>, RecordingError> {
     let mut bytes = Vec::new();
     packed.take(MAX_BINARY_BYTES + 1).read_to_end(&mut bytes).map_err(|source| unreadable(name, source))?;
     if bytes.len() as u64 > MAX_BINARY_BYTES {
         return Err(RecordingError::TooLarge { place: Place::file(name), most_bytes: MAX_BINARY_BYTES });
     }
-    let absent = |format| Err(RecordingError::FeatureAbsent { place: Place::file(name), format });
-    match format {
-        #[cfg(feature = "mat")]
-        Format::Mat => super::mat::read(name, &bytes, map),
-        #[cfg(feature = "mdf4")]
-        Format::Mdf4 => super::mdf4::read(name, &bytes, map),
-        #[cfg(feature = "parquet")]
-        Format::Parquet => super::parquet::read(name, bytes, map),
-        #[cfg(not(feature = "mat"))]
-        Format::Mat => absent(format),
-        #[cfg(not(feature = "mdf4"))]
-        Format::Mdf4 => absent(format),
-        #[cfg(not(feature = "parquet"))]
-        Format::Parquet => absent(format),
-        // Read in parts, above.
-        Format::Text => absent(format),
-    }
+    Ok(bytes)
 }
 
 /// Where the file is not text and its name has the extension of another format, the error says that the file is not of that format.

@@ -1,5 +1,7 @@
 //! Features of the formats that this program does not read.
 
+use crate::files::source_error::quoted;
+
 /// A feature of a file that is not read, and what to do instead.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unsupported {
@@ -15,12 +17,18 @@ pub enum Unsupported {
     ColumnOriented,
     /// An unsupported compression; its name or number.
     Packing(String),
-    /// A conversion of an MDF channel that is not a numeric formula; its number in the standard.
-    Conversion(u8),
-    /// A request to write an MDF file.
+    /// A conversion of an MDF channel that gives no numbers, or is not computed; what it converts.
+    Conversion(&'static str),
+    /// A conversion of an MDF channel by a formula; the formula.
+    Formula(String),
+    /// A request to write a file of a format that is only read.
     Writing,
     /// Values that are stored in another file; the name of that file, as it stands in this one.
     Elsewhere(String),
+    /// A file of another program or kind; what it is, and what to give instead.
+    Foreign(&'static str, &'static str),
+    /// A workbook in which several sheets hold a recording; their names.
+    Sheets(Vec<String>),
     /// A number with an unusual layout; a description of it.
     Layout(String),
 }
@@ -37,9 +45,15 @@ impl Unsupported {
             U::MdfVersion(version) => format!("an MDF file of version {version}"),
             U::ColumnOriented => "data that stand column by column".into(),
             U::Packing(name) => format!("data packed by {name}"),
-            U::Conversion(kind) => format!("a conversion of type {kind}"),
-            U::Writing => "the name of an MDF file, which is not written".into(),
+            U::Conversion(what) => format!("a conversion {what}"),
+            U::Formula(formula) => format!("a conversion by the formula {}", quoted(formula)),
+            U::Writing => "the name of a file that is not written".into(),
             U::Elsewhere(name) => format!("values that stand in another file, `{name}`"),
+            U::Foreign(what, _) => (*what).to_owned(),
+            U::Sheets(names) => {
+                let names: Vec<String> = names.iter().map(|name| quoted(name)).collect();
+                format!("a workbook with times in the sheets {}", names.join(", "))
+            }
             U::Layout(what) => format!("numbers as {what}"),
         }
     }
@@ -47,6 +61,8 @@ impl Unsupported {
     /// What to do instead.
     pub(crate) fn expected(&self) -> &'static str {
         match self {
+            U::Foreign(_, instead) => instead,
+            U::Sheets(_) => "one recording a workbook: save each sheet as CSV or as a workbook of its own",
             U::Hdf5 => "a MAT-file of version 7: in MATLAB save('run.mat', '-v7', …), or export as CSV or Parquet",
             U::BigEndian => "a MAT-file saved on a PC",
             U::Unfinished => "a finished file: open it in the recorder's program, or asammdf, and save it",
@@ -55,10 +71,13 @@ impl Unsupported {
             U::Packing(_) => {
                 "a file saved without packing, or by the usual one (Parquet: snappy, gzip, zstd or lz4; MDF: deflate)"
             }
-            U::Conversion(_) => "the numbers themselves, or a linear, rational or tabulated conversion of them",
+            U::Conversion(_) | U::Formula(_) => {
+                "a linear, rational or tabulated conversion, or converted values: asammdf exports them, as in MDF('run.mf4').export('parquet', \
+                 'run'), or export as CSV in the program that recorded them"
+            }
             U::Writing => "a name that ends with .csv, .mat or .parquet",
             U::Elsewhere(_) => "the file that holds the values itself",
-            U::Layout(_) => "whole numbers of 8 to 64 bits, or floating ones of 32 or 64",
+            U::Layout(_) => "whole numbers of 1 to 64 bits, or floating ones of 16, 32 or 64",
         }
     }
 }

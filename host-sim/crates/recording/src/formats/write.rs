@@ -63,7 +63,7 @@ impl Recording {
             Some(format @ (Format::Mat | Format::Parquet)) => {
                 Err(RecordingError::FeatureAbsent { place: Place::file(&path.display().to_string()), format })
             }
-            Some(Format::Mdf4) => {
+            Some(Format::Mdf4 | Format::Xlsx | Format::Gzip) => {
                 let (place, what) = (Place::file(&path.display().to_string()), Unsupported::Writing);
                 Err(RecordingError::Unsupported { place, what })
             }

@@ -20,7 +20,7 @@ const DEEPEST: usize = 3;
 /// Most fields of a structure, or most structures of an array, that are read.
 const MOST_FIELDS: usize = 4096;
 /// Longest name of a variable or a field, in bytes; MATLAB's own names have at most 63.
-const LONGEST_NAME: usize = 4096;
+pub(super) const LONGEST_NAME: usize = 4096;
 
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
@@ -54,7 +54,7 @@ pub(crate) enum Fault {
 }
 
 impl Fault {
-    fn at(self, place: Place) -> RecordingError {
+    pub(super) fn at(self, place: Place) -> RecordingError {
         match self {
             Fault::Damaged(what) => RecordingError::Damaged { place, format: Format::Mat, what },
             Fault::TooLarge => RecordingError::TooLarge { place, most_bytes: MAX_UNPACKED_BYTES },

@@ -1,4 +1,4 @@
-//! MATLAB's MAT-files, versions 5 and 7.
+//! MATLAB's MAT-files, versions 4, 5 and 7.
 //!
 //! Series are
 //!
@@ -6,7 +6,8 @@
 //! - fields of a structure that are vectors: `run.position_mm`, or `position_mm` alone;
 //! - a structure with a vector `Time` and a vector `Data` (or `Values`), in upper or lower case: the form of a timeseries whose
 //!   two parts are saved. The series has the structure's name, and `Time` is its clock in s;
-//! - a structure `time` and `signals`, as Simulink writes "Structure With Time": each signal has its `values` and its `label`.
+//! - a structure `time` and `signals`, as Simulink writes "Structure With Time": each signal has its `values` and its `label`;
+//! - a structure `X` and `Y`, as dSPACE's `ControlDesk` writes it: each of `Y` has `Name`, `Data` and `Unit`, at the times of the `X` that its `XIndex` says.
 //!
 //! Objects are not read, and so no timeseries objects either: MATLAB's classes are not part of the documented format.
 //!
@@ -14,12 +15,15 @@
 
 mod elements;
 mod numbers;
+mod version4;
 pub(crate) mod write;
 
 use elements::{Content, Variable};
 use numbers::Numbers;
 
 use super::columns::{self, Contents, Offered};
+use super::format::is_version_4;
+use super::survey::{Surveyed, of_contents};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::formats::text::lines::MAX_COLUMNS;
@@ -29,10 +33,20 @@ pub(crate) use write::write;
 
 /// Reads a file.
 pub(crate) fn read(name: &str, bytes: &[u8], map: &ChannelMap) -> Result<Recording, RecordingError> {
-    let variables = elements::variables(name, bytes)?;
+    with(name, bytes, |file| columns::recording(name, file, map))?
+}
+
+/// All series of a file.
+pub(crate) fn survey(name: &str, bytes: &[u8]) -> Result<Vec<Surveyed>, RecordingError> {
+    with(name, bytes, |file| of_contents(file))
+}
+
+fn with<T>(name: &str, bytes: &[u8], then: impl FnOnce(&MatFile<'_>) -> T) -> Result<T, RecordingError> {
+    let variables =
+        if is_version_4(bytes) { version4::variables(name, bytes)? } else { elements::variables(name, bytes)? };
     let mut file = MatFile::default();
     file.take("", &variables);
-    columns::recording(name, &file, map)
+    Ok(then(&file))
 }
 
 /// The base of everything that holds no numbers.
@@ -82,8 +96,9 @@ impl<'a> MatFile<'a> {
                     self.offer(&path, name, base, false, Ok(numbers));
                 }
                 Content::Structures(all) => match all.as_slice() {
-                    [fields] if self.take_timed(&path, name, fields) => {}
+                    [fields] if self.take_timed(&path, name, fields) || self.take_axes(&path, fields) => {}
                     [fields] => self.take(&path, fields),
+                    _ if within.is_empty() => self.offer(&path, name, NOWHERE, false, Err("an array of structures")),
                     _ => {}
                 },
                 // Inside structures this is not reported: parameters there may have the same name as a signal.
@@ -109,15 +124,53 @@ impl<'a> MatFile<'a> {
         self.offer(&format!("{path}.time"), "", base, true, Ok(time));
         for (number, signal) in signals.iter().enumerate() {
             if let Some(values) = vector(signal, &["values"]).filter(|values| values.len() == time.len()) {
-                let label = signal.iter().find_map(|field| match &field.content {
-                    Content::Text(text) if *field.name == *"label" => Some(text.trim()),
-                    _ => None,
-                });
                 let own = format!("{path}.signals({})", number + 1);
-                self.offer(label.filter(|label| !label.is_empty()).unwrap_or(&own), &own, base, false, Ok(values));
+                self.offer(text(signal, "label").unwrap_or(&own), &own, base, false, Ok(values));
             }
         }
         true
+    }
+
+    /// Adds the series `Y` of a structure, at the times `X`; `false` where the structure is not of this kind.
+    fn take_axes(&mut self, path: &str, fields: &'a [Variable]) -> bool {
+        let all = |name: &str| match fields.iter().find(|field| *field.name == *name).map(|field| &field.content) {
+            Some(Content::Structures(all)) => all.as_slice(),
+            _ => &[],
+        };
+        let (axes, series) = (all("X"), all("Y"));
+        let Some(times) = axes.iter().map(|axis| vector(axis, &["data"])).collect::<Option<Vec<_>>>() else {
+            return false;
+        };
+        if times.is_empty() || series.is_empty() {
+            return false;
+        }
+        let first = self.bases.len();
+        for (index, (axis, times)) in axes.iter().zip(&times).enumerate() {
+            let own = format!("{path}.X({})", index + 1);
+            self.bases.push((own.clone(), times.len()));
+            self.offer(&own, "", first + index, true, Ok(times));
+            self.with_unit(text(axis, "unit"));
+        }
+        for (index, one) in series.iter().enumerate() {
+            let own = format!("{path}.Y({})", index + 1);
+            let axis = vector(one, &["xindex"]).and_then(|axis| axis.values().first().copied()).unwrap_or(1.0);
+            let axis = (0..times.len()).find(|at| (*at as f64 + 1.0 - axis).abs() < 0.5);
+            let data = vector(one, &["data"]).ok_or("something else than a vector of real numbers");
+            let fits = |data: &&Numbers| axis.is_some_and(|axis| data.len() == times[axis].len());
+            let data =
+                data.and_then(|data| Some(data).filter(fits).ok_or("other than one value for each of its times"));
+            let base = axis.map_or(NOWHERE, |axis| first + axis);
+            self.offer(text(one, "name").unwrap_or(&own), &own, base, false, data);
+            self.with_unit(text(one, "unit"));
+        }
+        true
+    }
+
+    /// Gives the series that was added last a unit.
+    fn with_unit(&mut self, unit: Option<&str>) {
+        if let Some(last) = self.offered.last_mut() {
+            last.unit = unit.map(str::to_owned);
+        }
     }
 
     fn base(&mut self, within: &str, length: usize) -> usize {
@@ -130,7 +183,14 @@ impl<'a> MatFile<'a> {
 
     fn offer(&mut self, name: &str, also: &str, base: usize, clock: bool, numbers: Result<&'a Numbers, &'static str>) {
         let also = Some(also).filter(|also| !also.is_empty() && *also != name).map(str::to_owned);
-        let offered = Offered { name: name.to_owned(), also: also.into_iter().collect(), unit: None, base, clock };
+        let offered = Offered {
+            name: name.to_owned(),
+            also: also.into_iter().collect(),
+            unit: None,
+            is_typed: false,
+            base,
+            clock,
+        };
         self.offered.push(offered);
         self.vectors.push(numbers);
     }
@@ -140,6 +200,16 @@ impl<'a> MatFile<'a> {
 fn vector<'a>(fields: &'a [Variable], names: &[&str]) -> Option<&'a Numbers> {
     fields.iter().find_map(|field| match &field.content {
         Content::Vector(numbers) if names.iter().any(|name| field.name.eq_ignore_ascii_case(name)) => Some(numbers),
+        _ => None,
+    })
+}
+
+/// The field of this name, in upper or lower case, if it is a text that is not empty.
+fn text<'a>(fields: &'a [Variable], name: &str) -> Option<&'a str> {
+    fields.iter().find_map(|field| match &field.content {
+        Content::Text(text) if field.name.eq_ignore_ascii_case(name) => {
+            Some(text.trim()).filter(|text| !text.is_empty())
+        }
         _ => None,
     })
 }

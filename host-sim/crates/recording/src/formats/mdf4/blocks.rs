@@ -1,8 +1,10 @@
 //! The blocks of an MDF file: a name, a length, links to other blocks, then data; and the groups and channels they describe.
 
 use super::Fault;
-use super::channel::{Channel, Conversion};
-use crate::formats::text::lines::{MAX_COLUMNS, MAX_ROWS};
+use super::channel::Channel;
+use super::composition;
+use super::conversion::Conversion;
+use crate::formats::text::lines::MAX_COLUMNS;
 use crate::formats::unsupported::Unsupported;
 
 /// Most channel groups that are read.
@@ -124,7 +126,7 @@ impl<'a> File<'a> {
     }
 
     /// The blocks of a linked list, in which the first link of each block points to the next; at most so many.
-    fn list(&self, mut at: u64, id: [u8; 2], most: usize) -> Result<Vec<Block<'a>>, Fault> {
+    pub(super) fn list(&self, mut at: u64, id: [u8; 2], most: usize) -> Result<Vec<Block<'a>>, Fault> {
         let mut blocks = Vec::new();
         while at != 0 {
             if blocks.len() == most {
@@ -138,7 +140,7 @@ impl<'a> File<'a> {
     }
 
     /// A name or a unit: as plain text, or in the `TX` element of a comment.
-    fn text(&self, at: u64) -> Result<Option<String>, Fault> {
+    pub(super) fn text(&self, at: u64) -> Result<Option<String>, Fault> {
         if at == 0 {
             return Ok(None);
         }
@@ -188,52 +190,35 @@ impl<'a> File<'a> {
         }
         let mut channels = Vec::new();
         for block in self.list(group.first_channel, *b"CN", MAX_COLUMNS)? {
-            let conversion = match block.link(4) {
-                0 => None,
-                at => Some(self.block_of(at, *b"CC")?),
-            };
-            let of_conversion = conversion.map_or(0, |conversion| conversion.link(1));
-            let unit = self.text(block.link(6))?;
-            channels.push(Channel {
-                name: self.text(block.link(2))?.unwrap_or_default(),
-                unit: if unit.is_some() { unit } else { self.text(of_conversion)? },
-                kind: block.u8(0)?,
-                sync: block.u8(1)?,
-                data_type: block.u8(2)?,
-                bit_offset: u32::from(block.u8(3)?),
-                byte_offset: block.u32(4)? as usize,
-                bits: block.u32(8)?,
-                flags: block.u32(12)?,
-                mark: block.u32(16)? as usize,
-                conversion: Conversion::None,
-                conversion_at: block.link(4),
-            });
+            composition::add(self, block, None, 0, &mut channels)?;
         }
         Ok(channels)
     }
 
-    /// The conversion at a position. It is read only where it is used, since a few blocks can hold the long tables of thousands of channels.
-    pub(crate) fn conversion(&self, at: u64) -> Result<Conversion, Fault> {
-        if at == 0 { Ok(Conversion::None) } else { conversion_of(self.block_of(at, *b"CC")?) }
+    /// The channel that a block describes, without what it consists of.
+    pub(super) fn channel(&self, block: Block<'_>) -> Result<Channel, Fault> {
+        let conversion = match block.link(4) {
+            0 => None,
+            at => Some(self.block_of(at, *b"CC")?),
+        };
+        let of_conversion = conversion.map_or(0, |conversion| conversion.link(1));
+        let unit = self.text(block.link(6))?;
+        Ok(Channel {
+            name: self.text(block.link(2))?.unwrap_or_default(),
+            member: None,
+            unit: if unit.is_some() { unit } else { self.text(of_conversion)? },
+            kind: block.u8(0)?,
+            sync: block.u8(1)?,
+            data_type: block.u8(2)?,
+            bit_offset: u32::from(block.u8(3)?),
+            byte_offset: block.u32(4)? as usize,
+            bits: block.u32(8)?,
+            flags: block.u32(12)?,
+            mark: block.u32(16)? as usize,
+            instead: None,
+            moved: (0, 0),
+            conversion: Conversion::None,
+            conversion_at: block.link(4),
+        })
     }
-}
-
-/// The conversion that a block describes.
-fn conversion_of(block: Block<'_>) -> Result<Conversion, Fault> {
-    let kind = block.u8(0)?;
-    let count = usize::from(block.u16(6)?).min(MAX_ROWS);
-    let value = |index: usize| block.bytes(24 + 8 * index).map(f64::from_le_bytes);
-    let values = (0..count).map(value).collect::<Result<Vec<f64>, Fault>>()?;
-    let short = Fault::Damaged("a conversion with too few numbers");
-    Ok(match (kind, values.as_slice()) {
-        (0, _) => Conversion::None,
-        (1, &[add, factor, ..]) => Conversion::Linear { add, factor },
-        (2, &[a, b, c, d, e, f, ..]) => Conversion::Rational([a, b, c, d, e, f]),
-        (4 | 5, [_, _, ..]) => {
-            let pairs = values.as_chunks::<2>().0.iter().map(|[raw, value]| (*raw, *value)).collect();
-            Conversion::Table { pairs, between: kind == 4 }
-        }
-        (1 | 2 | 4 | 5, _) => return Err(short),
-        (kind, _) => Conversion::Unsupported(kind),
-    })
 }

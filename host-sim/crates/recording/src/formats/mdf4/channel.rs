@@ -2,31 +2,15 @@
 
 use super::Fault;
 use super::blocks::Group;
+use super::conversion::Conversion;
 use crate::formats::unsupported::Unsupported;
-
-/// How raw values become physical values.
-#[derive(Clone, Debug)]
-pub(crate) enum Conversion {
-    None,
-    Linear {
-        add: f64,
-        factor: f64,
-    },
-    /// (a·x² + b·x + c)/(d·x² + e·x + f).
-    Rational([f64; 6]),
-    /// Raw values and their physical values; linear `between` them, or the nearest.
-    Table {
-        pairs: Vec<(f64, f64)>,
-        between: bool,
-    },
-    /// A conversion that is not a numeric formula; its type in the standard.
-    Unsupported(u8),
-}
 
 /// A channel as its block describes it.
 #[derive(Clone, Debug)]
 pub(crate) struct Channel {
     pub(crate) name: String,
+    /// Its own name, where it is a member of a structure and `name` has that of the structure too.
+    pub(crate) member: Option<String>,
     pub(crate) unit: Option<String>,
     pub(crate) kind: u8,
     pub(crate) sync: u8,
@@ -37,6 +21,10 @@ pub(crate) struct Channel {
     pub(crate) flags: u32,
     /// Number of the bit that marks its value as invalid.
     pub(crate) mark: usize,
+    /// What it is, where it is not a series of numbers but consists of other channels.
+    pub(crate) instead: Option<&'static str>,
+    /// Bytes and marking bits by which it stands behind its place, as an element of an array.
+    pub(crate) moved: (i64, i64),
     pub(crate) conversion: Conversion,
     /// Position of its conversion, as long as that is not read; 0 where it has none.
     pub(crate) conversion_at: u64,
@@ -57,6 +45,23 @@ impl Channel {
         matches!(self.kind, MASTER | VIRTUAL_MASTER) && self.sync == SYNC_TIME
     }
 
+    /// Whether its raw values are whole numbers.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.is_virtual() || matches!(self.data_type, 0..=3)
+    }
+
+    /// Moves it by so many bytes, and by so many bits that mark values.
+    pub(crate) fn move_by(&mut self, bytes: i64, marks: i64) {
+        let by = |place: usize, by: i64| {
+            usize::try_from(by).map_or_else(
+                |_| place.saturating_sub(usize::try_from(by.unsigned_abs()).unwrap_or(usize::MAX)),
+                |by| place.saturating_add(by),
+            )
+        };
+        (self.byte_offset, self.mark) = (by(self.byte_offset, bytes), by(self.mark, marks));
+        self.moved = (self.moved.0.saturating_add(bytes), self.moved.1.saturating_add(marks));
+    }
+
     /// Whether its raw value is the number of the record.
     pub(crate) fn is_virtual(&self) -> bool {
         matches!(self.kind, VIRTUAL_MASTER | VIRTUAL_DATA)
@@ -64,9 +69,7 @@ impl Channel {
 
     /// Checks that it holds numbers of a supported layout.
     pub(crate) fn check(&self) -> Result<(), Fault> {
-        if let Conversion::Unsupported(kind) = self.conversion {
-            return Err(Fault::Unsupported(Unsupported::Conversion(kind)));
-        }
+        self.conversion.check()?;
         if self.is_virtual() {
             return Ok(());
         }
@@ -80,7 +83,7 @@ impl Channel {
         match self.data_type {
             0..=3 if bits > 0 && bits <= 64_u32.saturating_sub(self.bit_offset) => Ok(()),
             0..=3 => Err(Fault::Unsupported(Unsupported::Layout(format!("{bits} bits at bit {}", self.bit_offset)))),
-            4 | 5 if matches!(bits, 32 | 64) && self.bit_offset == 0 => Ok(()),
+            4 | 5 if matches!(bits, 16 | 32 | 64) && self.bit_offset == 0 => Ok(()),
             4 | 5 => Err(Fault::Unsupported(Unsupported::Layout(format!("a floating number of {bits} bits")))),
             _ => Err(Fault::NotNumbers("something else than numbers")),
         }
@@ -112,7 +115,7 @@ impl Channel {
     }
 
     /// The raw value, from at most eight bytes.
-    #[expect(clippy::cast_possible_truncation, reason = "the bits are those of a 32-bit number")]
+    #[expect(clippy::cast_possible_truncation, reason = "the bits are those of a shorter number")]
     fn raw(&self, bytes: &[u8]) -> f64 {
         let mut wide = [0; 8];
         let high_byte_first = self.data_type % 2 == 1;
@@ -125,37 +128,9 @@ impl Channel {
         match (self.data_type, self.bits) {
             (0 | 1, _) => (high >> unused) as f64,
             (2 | 3, _) => (high.cast_signed() >> unused) as f64,
+            (_, 16) => half::f16::from_bits(word as u16).to_f64(),
             (_, 32) => f64::from(f32::from_bits(word as u32)),
             _ => f64::from_bits(word),
-        }
-    }
-}
-
-impl Conversion {
-    /// The physical value of a raw value.
-    fn of(&self, raw: f64) -> f64 {
-        match self {
-            Conversion::None => raw,
-            Conversion::Linear { add, factor } => add + factor * raw,
-            Conversion::Rational([a, b, c, d, e, f]) => ((a * raw + b) * raw + c) / ((d * raw + e) * raw + f),
-            Conversion::Table { pairs, between } => {
-                let after = pairs.partition_point(|(own, _)| *own < raw);
-                match (after.checked_sub(1).and_then(|before| pairs.get(before)), pairs.get(after)) {
-                    (Some(&(x0, y0)), Some(&(x1, y1))) => {
-                        let share = (raw - x0) / (x1 - x0);
-                        if *between {
-                            y0 + share * (y1 - y0)
-                        } else if share > 0.5 {
-                            y1
-                        } else {
-                            y0
-                        }
-                    }
-                    (Some(&(_, value)), None) | (None, Some(&(_, value))) => value,
-                    (None, None) => f64::NAN,
-                }
-            }
-            Conversion::Unsupported(_) => f64::NAN,
         }
     }
 }
@@ -166,9 +141,11 @@ mod tests {
 
     fn channel(data_type: u8, bit_offset: u32, bits: u32, conversion: Conversion) -> Channel {
         let (name, unit, kind, sync, flags) = ("x".to_owned(), None, 0, 0, MARKED);
-        let (byte_offset, mark, conversion_at) = (1, 3, 0);
+        let (byte_offset, mark, conversion_at, moved) = (1, 3, 0, (0, 0));
+        let (member, instead) = (None, None);
         Channel {
             name,
+            member,
             unit,
             kind,
             sync,
@@ -178,6 +155,8 @@ mod tests {
             bits,
             flags,
             mark,
+            instead,
+            moved,
             conversion,
             conversion_at,
         }
@@ -201,23 +180,14 @@ mod tests {
         assert_eq!(values(&of(1, 0, 16), 3, &[9, 1, 2, 0, 9, 2, 1, 0]), [258.0, 513.0]);
         let single = [[9].as_slice(), &1.5_f32.to_be_bytes(), &[0], &[9], &(-2.0_f32).to_be_bytes(), &[0]].concat();
         assert_eq!(values(&of(5, 0, 32), 5, &single), [1.5, -2.0]);
+        // 1.5 and -2 as half numbers.
+        assert_eq!(values(&of(4, 0, 16), 3, &[9, 0x00, 0x3e, 0, 9, 0x00, 0xc0, 0]), [1.5, -2.0]);
     }
 
     #[test]
     fn what_is_marked_invalid_is_no_value() {
         let read = values(&channel(0, 0, 8, Conversion::None), 2, &[9, 1, 0b1000, 9, 2, 0b0111]);
         assert!(read[0].is_nan() && read[1..] == [2.0]);
-    }
-
-    #[test]
-    #[expect(clippy::float_cmp, reason = "sums of powers of two are exact")]
-    fn raw_values_are_converted() {
-        assert_eq!([4.0].map(|raw| Conversion::Linear { add: 1.0, factor: 0.5 }.of(raw)), [3.0]);
-        assert_eq!([3.0].map(|raw| Conversion::Rational([0.0, 2.0, 1.0, 0.0, 0.0, 4.0]).of(raw)), [1.75]);
-        let pairs = vec![(0.0, 0.0), (10.0, 1.0)];
-        let table = |between| Conversion::Table { pairs: pairs.clone(), between };
-        assert_eq!([-1.0, 2.5, 99.0].map(|raw| table(true).of(raw)), [0.0, 0.25, 1.0]);
-        assert_eq!([-1.0, 2.5, 99.0].map(|raw| table(false).of(raw)), [0.0, 0.0, 1.0]);
     }
 
     #[test]

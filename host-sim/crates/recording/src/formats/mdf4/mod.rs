@@ -3,13 +3,16 @@
 //! Every channel group has its samples, at the times of its master channel; where known channels have different masters, they are
 //! interpolated. A channel is known by its name, its name before a backslash (`position\XCP:1`), or both behind its group's name
 //! (`Bench.position`), with the unit that the file stores separately. Raw values are converted as the file specifies: linear, rational,
-//! or by a table of numbers. A value that the file marks as invalid counts as missing.
+//! or by a table of numbers; where some values are texts, those count as missing, as does a value that the file marks as invalid. The members of a
+//! structure and the elements of an array are channels of their own (`Bench.position`, `pressures[0]`).
 //!
 //! The blocks are read here, because no library was found that unpacks data blocks (loggers and asammdf pack them by default),
 //! joins records across the ends of blocks, and does not trust the lengths that the file states.
 
 mod blocks;
 mod channel;
+mod composition;
+mod conversion;
 mod records;
 
 use std::cell::RefCell;
@@ -17,15 +20,18 @@ use std::rc::Rc;
 
 use blocks::{File, Group};
 use channel::Channel;
+use conversion::Conversion;
 
 use super::columns::{self, Contents, Offered};
 use super::format::Format;
+use super::survey::{Surveyed, of_contents};
 use super::unsupported::Unsupported;
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::formats::text::lines::{MAX_COLUMNS, MAX_ROWS};
 use crate::recording::Recording;
+use crate::unit_in_name::split_suffix;
 
 /// Why a file, or a part of it, cannot be read.
 #[derive(Debug)]
@@ -52,11 +58,20 @@ impl Fault {
 
 /// Reads a file.
 pub(crate) fn read(name: &str, bytes: &[u8], map: &ChannelMap) -> Result<Recording, RecordingError> {
+    columns::recording(name, &opened(name, bytes)?, map)
+}
+
+/// All channels of a file.
+pub(crate) fn survey(name: &str, bytes: &[u8]) -> Result<Vec<Surveyed>, RecordingError> {
+    Ok(of_contents(&opened(name, bytes)?))
+}
+
+fn opened<'a>(name: &'a str, bytes: &'a [u8]) -> Result<Mdf<'a>, RecordingError> {
     let file = File::open(bytes).map_err(|fault| fault.at(Place::file(name), ""))?;
     let groups = file.groups().map_err(|fault| fault.at(Place::file(name), ""))?;
     let mut contents = Mdf { name, file, groups, offered: Vec::new(), channels: Vec::new(), last: RefCell::default() };
     contents.list().map_err(|fault| fault.at(Place::file(name), ""))?;
-    columns::recording(name, &contents, map)
+    Ok(contents)
 }
 
 /// The channels of a file.
@@ -83,11 +98,14 @@ impl Mdf<'_> {
                 let short = name.split('\\').next().unwrap_or_default().to_owned();
                 let mut also: Vec<String> = Some(short.clone()).filter(|short| *short != name).into_iter().collect();
                 also.extend(group.name.as_ref().map(|group| format!("{group}.{short}")));
+                // A member goes by its own name alone where that or the file tells its unit; else it is there to be mapped.
+                let has_unit = |own: &&String| channel.unit.is_some() || split_suffix(own).is_some();
+                also.extend(channel.member.as_ref().filter(has_unit).cloned());
                 let (unit, clock) = (channel.unit.clone(), channel.is_clock());
                 if self.channels.len() > MAX_COLUMNS {
                     return Ok(());
                 }
-                self.offered.push(Offered { name, also, unit, base, clock });
+                self.offered.push(Offered { name, also, unit, is_typed: false, base, clock });
                 self.channels.push((base, channel));
             }
         }
@@ -117,6 +135,10 @@ impl Contents for Mdf<'_> {
         usize::try_from(self.groups[base].cycles).unwrap_or(usize::MAX)
     }
 
+    fn instead(&self, index: usize) -> Option<&'static str> {
+        self.channels[index].1.instead
+    }
+
     fn values(&self, index: usize) -> Result<Vec<f64>, RecordingError> {
         let (base, channel) = &self.channels[index];
         let fault = |fault: Fault| {
@@ -126,7 +148,7 @@ impl Contents for Mdf<'_> {
         if self.rows(*base) > MAX_ROWS {
             return Err(RecordingError::TooManyRows { place: Place::file(self.name), most: MAX_ROWS });
         }
-        let conversion = self.file.conversion(channel.conversion_at).map_err(fault)?;
+        let conversion = Conversion::at(&self.file, channel.conversion_at, channel.is_whole()).map_err(fault)?;
         let channel = Channel { conversion, ..channel.clone() };
         channel.check().map_err(fault)?;
         let records = if channel.is_virtual() { Rc::default() } else { self.records(*base).map_err(fault)? };

@@ -1,9 +1,11 @@
 //! Apache Parquet, uncompressed, with snappy as pandas and pyarrow write it, or with gzip, zstd or lz4 as Spark, `Polars` and `DuckDB` do.
 //!
 //! Every flat column of numbers is a series; its name contains its unit (`position [mm]`, `position_mm`). Timestamps are
-//! converted to s since the first timestamp of their column. Nulls count as missing values. Columns of lists and structures are not read, and
-//! the metadata that pandas or Arrow add to the file are not needed.
+//! converted to s since the first timestamp of their column, durations to s, whatever unit their name has. Nulls count as missing values. Columns of lists are not
+//! read. Of the metadata that pandas or Arrow add to the file only the durations are needed.
 
+mod arrow_schema;
+mod kind;
 mod pages;
 pub(crate) mod write;
 
@@ -11,8 +13,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
 use bytes::Bytes;
+use kind::Kind;
 use pages::Pages;
-use parquet::basic::{Compression, LogicalType, TimeUnit, Type};
+use parquet::basic::Compression;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
@@ -22,6 +25,7 @@ use parquet::schema::types::ColumnDescPtr;
 use super::catch_panic::contained;
 use super::columns::{self, Contents, Offered};
 use super::format::{Format, MAX_UNPACKED_BYTES};
+use super::survey::{Surveyed, of_contents};
 use super::unsupported::Unsupported;
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
@@ -33,6 +37,15 @@ pub(crate) use write::write;
 
 /// Reads a file.
 pub(crate) fn read(name: &str, bytes: Vec<u8>, map: &ChannelMap) -> Result<Recording, RecordingError> {
+    columns::recording(name, &opened(name, bytes)?, map)
+}
+
+/// All columns of a file.
+pub(crate) fn survey(name: &str, bytes: Vec<u8>) -> Result<Vec<Surveyed>, RecordingError> {
+    Ok(of_contents(&opened(name, bytes)?))
+}
+
+fn opened(name: &str, bytes: Vec<u8>) -> Result<FileColumns<'_>, RecordingError> {
     // The library guards against damaged files, but it does not promise that it never panics.
     let bytes = Bytes::from(bytes);
     let opened = contained(|| ParquetMetaDataReader::new().parse_and_finish(&bytes));
@@ -44,28 +57,19 @@ pub(crate) fn read(name: &str, bytes: Vec<u8>, map: &ChannelMap) -> Result<Recor
     });
     let rows = rows.ok_or_else(|| RecordingError::TooManyRows { place: Place::file(name), most: MAX_ROWS })?;
     let columns = metadata.file_metadata().schema_descr().columns().to_vec();
-    let offered = columns.iter().map(|column| {
-        let stamp = stamp_s(column).map(|_| "s".to_owned());
-        Offered { name: column.path().parts().join("."), also: Vec::new(), unit: stamp, base: 0, clock: false }
+    let durations = arrow_schema::durations(&metadata);
+    let kinds = columns.iter().map(|column| Kind::of(column, durations.get(column.name()).copied()));
+    let kinds: Vec<Result<Kind, &'static str>> = kinds.collect();
+    let offered = columns.iter().zip(&kinds).map(|(column, kind)| {
+        let is_in_seconds = kind.is_ok_and(Kind::is_in_seconds);
+        let (name, unit) = (column.path().parts().join("."), is_in_seconds.then(|| "s".to_owned()));
+        Offered { name, also: Vec::new(), unit, is_typed: is_in_seconds, base: 0, clock: false }
     });
-    let table = FileColumns { name, offered: offered.collect(), bytes: Arc::new(bytes), metadata, columns, rows };
-    columns::recording(name, &table, map)
+    Ok(FileColumns { name, offered: offered.collect(), bytes: Arc::new(bytes), metadata, columns, kinds, rows })
 }
 
 fn damaged(place: Place, what: &'static str) -> RecordingError {
     RecordingError::Damaged { place, format: Format::Parquet, what }
-}
-
-/// The length of a timestamp's unit, s.
-fn stamp_s(column: &ColumnDescPtr) -> Option<f64> {
-    match column.logical_type_ref() {
-        Some(LogicalType::Timestamp(stamp)) => Some(match stamp.unit {
-            TimeUnit::MILLIS => 1e-3,
-            TimeUnit::MICROS => 1e-6,
-            TimeUnit::NANOS => 1e-9,
-        }),
-        _ => None,
-    }
 }
 
 /// The columns of a file.
@@ -75,16 +79,9 @@ struct FileColumns<'a> {
     bytes: Arc<Bytes>,
     metadata: ParquetMetaData,
     columns: Vec<ColumnDescPtr>,
+    /// What the columns hold, or what instead of numbers.
+    kinds: Vec<Result<Kind, &'static str>>,
     rows: usize,
-}
-
-/// How the numbers of a column are interpreted.
-#[derive(Clone, Copy)]
-enum Kind {
-    Signed,
-    Unsigned,
-    /// Timestamps, with the length of their unit, s.
-    Stamp(f64),
 }
 
 impl Contents for FileColumns<'_> {
@@ -98,30 +95,18 @@ impl Contents for FileColumns<'_> {
         self.rows
     }
 
+    fn instead(&self, index: usize) -> Option<&'static str> {
+        self.kinds[index].err()
+    }
+
     fn values(&self, index: usize) -> Result<Vec<f64>, RecordingError> {
-        let column = &self.columns[index];
         let header = &self.offered[index].name;
         let place = || Place::part(self.name, &format!("{} `{header}`", Self::KIND));
-        let not_numbers = |found: &str| RecordingError::NotNumbers {
+        let kind = self.kinds[index].map_err(|found| RecordingError::NotNumbers {
             place: place(),
             header: header.clone(),
             found: found.to_owned(),
-        };
-        if column.max_rep_level() > 0 {
-            return Err(not_numbers("lists"));
-        }
-        let kind = match column.logical_type_ref() {
-            None => Kind::Signed,
-            Some(LogicalType::Integer(whole)) if whole.is_signed => Kind::Signed,
-            Some(LogicalType::Integer(_)) => Kind::Unsigned,
-            Some(_) => match stamp_s(column) {
-                Some(unit_s) => Kind::Stamp(unit_s),
-                None => return Err(not_numbers("text, dates or decimal numbers")),
-            },
-        };
-        if !matches!(column.physical_type(), Type::BOOLEAN | Type::INT32 | Type::INT64 | Type::FLOAT | Type::DOUBLE) {
-            return Err(not_numbers("text or bytes"));
-        }
+        })?;
         let mut unpacked = 0_u64;
         for group in self.metadata.row_groups() {
             let chunk = group.columns().get(index);
@@ -179,17 +164,22 @@ impl FileColumns<'_> {
                 }
                 ColumnReader::Int32ColumnReader(reader) => numbers(reader, rows, full, |value| match kind {
                     Kind::Unsigned => f64::from(value.cast_unsigned()),
-                    _ => f64::from(*value),
+                    _ => kind.of_whole((*value).into(), &mut first),
                 })?,
-                ColumnReader::Int64ColumnReader(reader) => numbers(reader, rows, full, |value| match kind {
-                    Kind::Signed => *value as f64,
-                    Kind::Unsigned => value.cast_unsigned() as f64,
-                    // The difference of the integers is exact; the count since 1970 would be rounded.
-                    Kind::Stamp(unit_s) => value.wrapping_sub(*first.get_or_insert(*value)) as f64 * unit_s,
-                })?,
+                ColumnReader::Int64ColumnReader(reader) => {
+                    numbers(reader, rows, full, |value| kind.of_whole(*value, &mut first))?
+                }
+                ColumnReader::Int96ColumnReader(reader) => {
+                    numbers(reader, rows, full, |value| kind.of_whole(value.to_nanos(), &mut first))?
+                }
+                ColumnReader::FixedLenByteArrayColumnReader(reader) => {
+                    numbers(reader, rows, full, |value| kind.of_bytes(value.data()))?
+                }
                 ColumnReader::FloatColumnReader(reader) => numbers(reader, rows, full, |value| f64::from(*value))?,
                 ColumnReader::DoubleColumnReader(reader) => numbers(reader, rows, full, |value| *value)?,
-                _ => return Err(ParquetError::General("no column of numbers".to_owned())),
+                ColumnReader::ByteArrayColumnReader(_) => {
+                    return Err(ParquetError::General("no column of numbers".to_owned()));
+                }
             };
             values.extend(more);
         }

@@ -1,19 +1,23 @@
 //! The reader of recordings in text form.
 //!
-//! One header row of `name [unit]`, time in the first column, then one row per line. Besides this plain form, the reader
-//! accepts `;` and tab as separators (detected in the header row) with decimal commas, a byte order
-//! mark, Windows-1252 in place of UTF-8, CRLF, comment lines that begin with `#`, and quoted cells. Times may be uneven and have gaps. A
-//! row that repeats the time before it (see [`coarse_stamps`](crate::formats::coarse_stamps) for times that most rows share), or has an empty cell in a known column, is left out and
+//! One header row of `name [unit]`, then one row per line; time in any column. Besides this plain form, the reader
+//! accepts `;` and tab as separators (detected in the header row), decimal commas, a byte order
+//! mark, Windows-1252 in place of UTF-8, CRLF, comment lines that begin with `#`, quoted cells, a row of units below the header, a separator at the end
+//! of every line, and dates for times. A last line that is cut off is not read. Times may be uneven and have gaps. A
+//! row that repeats the time before it (see [`coarse_stamps`](crate::formats::coarse_stamps) for times that most rows share), or has no value in a known column, is left out and
 //! counted in the recording's notes, and written back where the recording is; no value is made up. Any other fault is an error.
 //!
 //! Memory: one line and the values of the known columns, however large the file is.
 
-use super::lines::{Cells, Input, Lines, Splitter, TextLine, most_rows, parse_number};
+use super::clock::StampClock;
+use super::decimal_mark::{DecimalMark, is_missing, si};
+use super::heading::Heading;
+use super::lines::{Cells, Input, Lines, Splitter, TextLine, most_rows};
 use super::twincat;
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::formats::coarse_stamps::CoarseStamps;
-use crate::header::{Offer, assign};
+use crate::header::assign;
 use crate::recording::{At, Column, LeftOut, Note, Recording, gaps};
 use crate::signal::Signal;
 
@@ -30,27 +34,27 @@ impl<'a> Opened<'a> {
     pub(crate) fn text(name: &str, input: Input<'a>, map: &ChannelMap) -> Result<Self, RecordingError> {
         let mut lines = Lines::new(name, input);
         let file = lines.file();
-        let (header, mut splitter) = lines.header()?;
-        let separator = splitter.separator();
-        let cells = splitter.split(header)?;
-        if cells.get(0) == twincat::FIRST_CELL {
-            let names = cells.iter().map(str::to_owned).collect();
-            return twincat::read(lines, splitter, names, map).map(Opened::Whole);
+        let (mut heading, mut splitter) = Heading::read(&mut lines)?;
+        if heading.names[0] == twincat::FIRST_CELL {
+            return twincat::read(lines, splitter, heading.names, map).map(Opened::Whole);
         }
-        let width = cells.len();
-        let offers: Vec<Offer> = cells.iter().map(Offer::plain).collect();
-        let assignment = assign(&offers, map, &file, |index| header.cell(separator, index))?;
-        match assignment.known.first() {
-            Some((0, column)) if column.signal == Signal::Time => {}
-            _ => {
-                let header_text = offers.first().map_or_else(String::new, |offer| offer.header.clone());
-                return Err(RecordingError::NoTimeColumn { place: header.cell(separator, 0), header: header_text });
-            }
-        }
+        heading.look_below(&mut lines, &mut splitter)?;
+        let offers = heading.offers_with_stamps(map);
+        let mut assignment = assign(&offers, map, &file, |index| heading.place(index))?;
+        let Some(time) = assignment.known.iter().position(|(_, column)| column.signal == Signal::Time) else {
+            return Err(heading.without_time());
+        };
+        assignment.known[..=time].rotate_right(1);
+        let stamps = heading.is_stamped(assignment.known[0].0).then(StampClock::default);
+        let last = heading.names.len() - 1;
         let table = TextRows {
+            ends_known: assignment.known.iter().any(|(index, _)| *index == last),
             columns: assignment.known,
-            width,
-            separator,
+            width: heading.names.len(),
+            separator: heading.separator,
+            mark: DecimalMark::new(heading.separator),
+            dates: stamps,
+            shortest: usize::MAX,
             row: Vec::new(),
             repeated: None,
             incomplete: None,
@@ -105,13 +109,23 @@ impl Reader<'_> {
                 self.is_at_end = true;
                 break;
             };
-            let cells = self.splitter.split(line)?;
-            self.table.push(line, cells)?;
+            let number = line.number();
+            let pushed = self.splitter.split(line).and_then(|cells| self.table.push(line, cells));
+            if let Err(error) = pushed {
+                let is_cut = is_of_a_cut_line(&error, line) && self.table.kept() > 1;
+                if !is_cut || !matches!(self.lines.next(), Ok(None)) {
+                    return Err(error);
+                }
+                self.notes.push(Note::CutLine { line: number });
+                self.is_at_end = true;
+                break;
+            }
             if self.table.held() == ROWS_TO_DECIDE {
                 self.table.decide();
             }
         }
         if self.is_at_end {
+            self.table.mark.check()?;
             self.table.decide();
         }
         self.notes.extend(self.table.spread(self.is_at_end));
@@ -182,6 +196,15 @@ impl Reader<'_> {
     }
 }
 
+/// Whether an error is such as the end of a file that was cut off within a line makes.
+fn is_of_a_cut_line(error: &RecordingError, line: TextLine<'_>) -> bool {
+    match error {
+        RecordingError::RaggedRow { found, expected, .. } => found < expected,
+        RecordingError::OpenQuote { .. } => true,
+        _ => !line.is_ended(),
+    }
+}
+
 /// Rows as they come in; the first column is time.
 #[derive(Debug)]
 struct TextRows {
@@ -189,6 +212,12 @@ struct TextRows {
     columns: Vec<(usize, Column)>,
     width: usize,
     separator: u8,
+    mark: DecimalMark,
+    /// The clock of times that are dates or times of day.
+    dates: Option<StampClock>,
+    /// Whether the last cell of a row is that of a known column, and the length of the shortest.
+    ends_known: bool,
+    shortest: usize,
     /// The values of the current row, SI.
     row: Vec<f64>,
     /// How many rows repeat a time, and the line of the first.
@@ -265,28 +294,38 @@ impl TextRows {
     }
 
     fn push(&mut self, line: TextLine<'_>, cells: Cells<'_>) -> Result<(), RecordingError> {
-        if cells.len() != self.width {
-            return Err(RecordingError::RaggedRow { place: line.whole(), found: cells.len(), expected: self.width });
+        let found = cells.len();
+        let is_too_long = || (self.width..found).any(|index| !cells.get(index).is_empty());
+        if found < self.width || (found > self.width && is_too_long()) || self.seems_cut(line, cells) {
+            let found = if found == self.width { found - 1 } else { found };
+            return Err(RecordingError::RaggedRow { place: line.whole(), found, expected: self.width });
         }
         let most = most_rows(self.columns.len());
         if self.held() == most {
             return Err(RecordingError::TooManyRows { place: line.whole(), most });
         }
         self.row.clear();
-        let empty = self.columns.iter().filter(|(index, _)| cells.get(*index).is_empty()).count();
-        let without_time = cells.get(0).is_empty();
-        if empty == self.columns.len() || (empty > 0 && !without_time) {
+        if self.columns.iter().any(|(index, _)| is_missing(cells.get(*index))) {
             count(&mut self.incomplete, line);
             self.leave_out(cells);
             return Ok(());
         }
         for (index, column) in &self.columns {
-            self.row.push(number(line, cells.get(*index), column, self.separator, *index)?);
+            let text = cells.get(*index);
+            let value = match &mut self.dates {
+                Some(dates) if column.signal == Signal::Time => dates.seconds(text).ok_or_else(|| {
+                    let (place, header) = (line.cell(self.separator, *index), column.header.clone());
+                    RecordingError::NotAStamp { place, header, found: text.to_owned() }
+                })?,
+                _ => si(line, text, column, &mut self.mark, *index)?,
+            };
+            self.row.push(value);
         }
         let found_s = self.row[0];
         if let Some(&previous_s) = self.columns[0].1.values.last() {
             if found_s < previous_s {
-                return Err(RecordingError::TimeBackwards { place: line.cell(self.separator, 0), previous_s, found_s });
+                let place = line.cell(self.separator, self.columns[0].0);
+                return Err(RecordingError::TimeBackwards { place, previous_s, found_s });
             }
             if found_s <= previous_s && !matches!(self.stamps, Stamps::Coarse(_)) {
                 count(&mut self.repeated, line);
@@ -300,10 +339,26 @@ impl TextRows {
         Ok(())
     }
 
+    /// Whether the file ends within the last cell of the line: without an end of the line, in a known column, with fewer characters than any row before.
+    fn seems_cut(&mut self, line: TextLine<'_>, cells: Cells<'_>) -> bool {
+        if !self.ends_known {
+            return false;
+        }
+        let length = cells.get(self.width - 1).len();
+        if length > 0 && line.is_ended() {
+            self.shortest = self.shortest.min(length);
+        }
+        !line.is_ended() && cells.len() == self.width && length < self.shortest && self.shortest < usize::MAX
+    }
+
     fn leave_out(&mut self, cells: Cells<'_>) {
         self.left_out.after.push(self.times_s().len());
         for (index, column) in &self.columns {
-            let value = parse_number(cells.get(*index), self.separator != b',').and_then(|value| column.read(value));
+            let text = cells.get(*index);
+            let value = match &mut self.dates {
+                Some(dates) if column.signal == Signal::Time => dates.seconds(text),
+                _ => self.mark.lenient(text).and_then(|value| column.read(value)),
+            };
             self.left_out.cells.push(value.filter(|value| value.is_finite()));
         }
     }
@@ -311,27 +366,4 @@ impl TextRows {
 
 fn count(rows: &mut Option<(usize, usize)>, line: TextLine<'_>) {
     rows.get_or_insert((0, line.number())).0 += 1;
-}
-
-/// A cell of a known column in SI units.
-pub(crate) fn number(
-    line: TextLine<'_>,
-    text: &str,
-    column: &Column,
-    separator: u8,
-    index: usize,
-) -> Result<f64, RecordingError> {
-    let place = || line.cell(separator, index);
-    match parse_number(text, separator != b',') {
-        None => {
-            Err(RecordingError::NotANumber { place: place(), header: column.header.clone(), found: text.to_owned() })
-        }
-        Some(value) => {
-            let Some(si) = column.read(value) else { return Err(column.out_of_reach(place(), value)) };
-            if si.is_finite() {
-                return Ok(si);
-            }
-            Err(RecordingError::NotFinite { place: place(), header: column.header.clone(), found: text.to_owned() })
-        }
-    }
 }

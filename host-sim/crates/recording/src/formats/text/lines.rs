@@ -35,6 +35,10 @@ pub(crate) struct Lines<'a> {
     bytes: Vec<u8>,
     number: usize,
     skipped: usize,
+    /// Whether the line has an end; the last one of a file that was cut off has none.
+    is_ended: bool,
+    /// Whether the line is to be read once more.
+    is_put_back: bool,
     /// The first line that is Windows-1252 and not UTF-8.
     western: Option<usize>,
 }
@@ -45,9 +49,15 @@ pub(crate) struct TextLine<'a> {
     file: &'a str,
     number: usize,
     pub(crate) text: &'a str,
+    is_ended: bool,
 }
 
-impl TextLine<'_> {
+impl<'a> TextLine<'a> {
+    /// A line that was read before.
+    pub(crate) fn of(file: &'a str, number: usize, text: &'a str) -> Self {
+        Self { file, number, text, is_ended: true }
+    }
+
     pub(crate) fn place(self, span: Range<usize>) -> Place {
         Place::in_line(self.file, self.number, self.text, span)
     }
@@ -64,6 +74,11 @@ impl TextLine<'_> {
     pub(crate) fn number(self) -> usize {
         self.number
     }
+
+    /// Whether an end of the line was found, and not the end of the file.
+    pub(crate) fn is_ended(self) -> bool {
+        self.is_ended
+    }
 }
 
 impl<'a> Lines<'a> {
@@ -74,6 +89,8 @@ impl<'a> Lines<'a> {
             bytes: Vec::new(),
             number: 0,
             skipped: 0,
+            is_ended: true,
+            is_put_back: false,
             western: None,
         }
     }
@@ -91,24 +108,54 @@ impl<'a> Lines<'a> {
         self.western
     }
 
-    /// The header: the first line with content, and the splitter for this and all later lines.
+    /// The header: the first line with content, and the splitter for this and all later lines. Above it, the line `sep=;` tells Excel the separator.
     pub(crate) fn header(&mut self) -> Result<(TextLine<'_>, Splitter), RecordingError> {
         let place = self.file();
-        let header = self.next()?.ok_or(RecordingError::Empty { place })?;
-        Ok((header, Splitter::new(detect_separator(header.text))))
+        let empty = || RecordingError::Empty { place: place.clone() };
+        let told = told_separator(self.next()?.ok_or_else(empty)?.text);
+        if told.is_none() {
+            self.put_back();
+        }
+        let header = self.next()?.ok_or_else(empty)?;
+        Ok((header, Splitter::new(told.unwrap_or_else(|| detect_separator(header.text)))))
+    }
+
+    /// Lets [`Self::next`] return the line that it returned last once more.
+    pub(crate) fn put_back(&mut self) {
+        self.is_put_back = true;
     }
 
     /// The next line with content, without its end; `None` after the last one.
     pub(crate) fn next(&mut self) -> Result<Option<TextLine<'_>>, RecordingError> {
+        if !std::mem::take(&mut self.is_put_back) && !self.advance()? {
+            return Ok(None);
+        }
+        let text = str::from_utf8(&self.bytes).map_err(|error| {
+            let (good, rest) = self.bytes.split_at(error.valid_up_to());
+            let good = String::from_utf8_lossy(good);
+            let place = Place::in_line(&self.file, self.number, &good, good.len()..good.len());
+            RecordingError::NotUtf8 { place, byte: rest.first().copied().unwrap_or_default() }
+        })?;
+        let line = TextLine { file: &self.file, number: self.number, text, is_ended: self.is_ended };
+        if let Some((at, character)) = text.char_indices().find(|&(_, c)| c.is_control() && c != '\t') {
+            let place = line.place(at..at + character.len_utf8());
+            return Err(RecordingError::ControlCharacter { place, character });
+        }
+        Ok(Some(line))
+    }
+
+    /// Reads the next line with content; `false` after the last one.
+    fn advance(&mut self) -> Result<bool, RecordingError> {
         loop {
             self.bytes.clear();
             let mut limited = (&mut self.input).take(MAX_LINE_BYTES as u64 + 1);
             let read = limited.read_until(b'\n', &mut self.bytes);
             let read = read.map_err(|source| RecordingError::Io { place: Place::file(&self.file), source })?;
             if read == 0 {
-                return Ok(None);
+                return Ok(false);
             }
             self.number += 1;
+            self.is_ended = self.bytes.ends_with(b"\n");
             if read > MAX_LINE_BYTES {
                 let place = Place::in_line(&self.file, self.number, "", 0..0);
                 return Err(RecordingError::LineTooLong { place, most_bytes: MAX_LINE_BYTES });
@@ -139,18 +186,7 @@ impl<'a> Lines<'a> {
             self.western.get_or_insert(self.number);
             self.bytes = text.into_bytes();
         }
-        let text = str::from_utf8(&self.bytes).map_err(|error| {
-            let (good, rest) = self.bytes.split_at(error.valid_up_to());
-            let good = String::from_utf8_lossy(good);
-            let place = Place::in_line(&self.file, self.number, &good, good.len()..good.len());
-            RecordingError::NotUtf8 { place, byte: rest.first().copied().unwrap_or_default() }
-        })?;
-        let line = TextLine { file: &self.file, number: self.number, text };
-        if let Some((at, character)) = text.char_indices().find(|&(_, c)| c.is_control() && c != '\t') {
-            let place = line.place(at..at + character.len_utf8());
-            return Err(RecordingError::ControlCharacter { place, character });
-        }
-        Ok(Some(line))
+        Ok(true)
     }
 }
 
@@ -237,15 +273,16 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// A decimal number; `decimal_comma` lets a single comma stand for the point.
-pub(crate) fn parse_number(text: &str, decimal_comma: bool) -> Option<f64> {
-    if decimal_comma && text.contains(',') {
-        if text.contains('.') || text.matches(',').count() > 1 {
-            return None;
-        }
-        return text.replacen(',', ".", 1).parse().ok();
+/// The separator that a line `sep=;` tells.
+fn told_separator(line: &str) -> Option<u8> {
+    let line = line.trim_start().trim_start_matches('"');
+    let told = line.get(..4).filter(|key| key.eq_ignore_ascii_case("sep="))?;
+    match line.as_bytes().get(told.len()) {
+        None => Some(b'\t'),
+        Some(b'\\') if line[told.len()..].starts_with("\\t") => Some(b'\t'),
+        Some(&mark) if mark == b'\t' || (mark.is_ascii_punctuation() && mark != b'"') => Some(mark),
+        Some(_) => None,
     }
-    text.parse().ok()
 }
 
 /// The separator of a header row: the first tab, semicolon or comma outside quotes and brackets.
@@ -304,7 +341,7 @@ mod tests {
     use super::*;
 
     fn cells(text: &str, separator: u8) -> Vec<String> {
-        let line = TextLine { file: "f", number: 1, text };
+        let line = TextLine::of("f", 1, text);
         Splitter::new(separator).split(line).unwrap().iter().map(str::to_owned).collect()
     }
 
@@ -325,16 +362,8 @@ mod tests {
     }
 
     #[test]
-    fn a_comma_is_a_decimal_point_only_when_it_cannot_be_a_separator() {
-        assert_eq!(parse_number("-0,5", true), Some(-0.5));
-        assert_eq!(parse_number("1.234,5", true), None);
-        assert_eq!(parse_number("1,234,5", true), None);
-        assert_eq!(parse_number("0,5", false), None);
-    }
-
-    #[test]
     fn a_quotation_mark_left_open_is_an_error_on_its_line() {
-        let line = TextLine { file: "f", number: 3, text: "1,\"2" };
+        let line = TextLine::of("f", 3, "1,\"2");
         let error = Splitter::new(b',').split(line).unwrap_err();
         assert!(matches!(error, RecordingError::OpenQuote { .. }), "{error}");
     }

@@ -16,14 +16,14 @@
 //!
 //! A channel is known by its name (`position [mm]`), or by name or symbol through the channel map
 //! (`GVL.Kolbenweg [mm]`); its unit stands in brackets in the map or in the name, or else in the row
-//! `Unit` (`mm (Length)`). Values are taken as they stand: where the rows `ScaleFactor`, `Unit ScaleFactor`, `Offset` or `Unit Offset` would change
+//! `Unit` (`mm (Length)`). Values are taken as they stand: where the rows of factors and offsets would change
 //! them, a note says so. All signals come out at the times of the first known channel of the file:
 //! those with other times are interpolated linearly there. Times outside any signal's range and repeated times are
 //! left out; they are written back where the recording is. Time goes out as `time [s]`. Full timestamps
 //! instead of ms are refused.
 
-use super::csv::number;
-use super::lines::{Lines, Splitter, TextLine, most_rows, parse_number};
+use super::decimal_mark::{DecimalMark, is_missing, si};
+use super::lines::{Lines, Splitter, TextLine, most_rows};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
@@ -38,11 +38,6 @@ pub(crate) const FIRST_CELL: &str = "Name";
 
 /// Most header rows; a real export has about twenty.
 const MAX_HEADER_ROWS: usize = 200;
-
-/// Rows of the channel block with which an export may have scaled its values, or not: its header is the same either way. Each with the value that
-/// changes nothing.
-const FACTORS: [(&str, f64); 4] =
-    [("ScaleFactor", 1.0), ("Unit ScaleFactor", 1.0), ("Offset", 0.0), ("Unit Offset", 0.0)];
 
 /// Larger than any time in ms: a full timestamp counts 100 ns since 1601.
 const FULL_TIMESTAMP: f64 = 1e15;
@@ -68,6 +63,7 @@ pub(crate) fn read(
     let name = lines.file_name().to_owned();
     let separator = splitter.separator();
     let time = Column::of_file("time".into(), Signal::Time, milliseconds());
+    let mut mark = DecimalMark::new(separator);
     let mut block: Block = vec![first];
     let mut channels: Option<Channels> = None;
     let mut header_rows = 1;
@@ -78,7 +74,7 @@ pub(crate) fn read(
         if key == "EOF" {
             break;
         }
-        if channels.is_none() && !key.is_empty() && parse_number(key, separator != b',').is_none() {
+        if channels.is_none() && !key.is_empty() && mark.lenient(key).is_none() {
             if key == FIRST_CELL {
                 block.clear();
             }
@@ -108,9 +104,9 @@ pub(crate) fn read(
         }
         for channel in &mut channels.known {
             let (time_text, text) = (cells.get(channel.time_cell), cells.get(channel.value_cell));
-            if !time_text.is_empty() && !text.is_empty() {
-                let time_s = number(line, time_text, &time, separator, channel.time_cell)?;
-                let value = number(line, text, &channel.samples.column, separator, channel.value_cell)?;
+            if !is_missing(time_text) && !is_missing(text) {
+                let time_s = si(line, time_text, &time, &mut mark, channel.time_cell)?;
+                let value = si(line, text, &channel.samples.column, &mut mark, channel.value_cell)?;
                 channels.repeated += usize::from(!channel.push(line, separator, time_s, value)?);
                 if channels.repeated == 1 {
                     channels.first_repeated = line.number();
@@ -120,6 +116,7 @@ pub(crate) fn read(
     }
     match channels {
         Some(mut channels) => {
+            mark.check()?;
             channels.notes.extend(lines.western().map(|line| Note::ReadAsWindows1252 { first: At::Line(line) }));
             let at = At::Line(channels.first_repeated);
             let repeated = (channels.repeated > 0).then_some((channels.repeated, at));
@@ -210,19 +207,38 @@ impl Channels {
                 missing: "a channel that is a known signal; name them with --map",
             });
         }
-        let states = |key: &str, index: usize, usual: f64| {
-            cell(key, index)
-                .and_then(|text| parse_number(text, true))
-                .is_some_and(|value| (value - usual).abs() > f64::EPSILON)
+        let has_factor = |channel: &&Channel| {
+            let stated = |row: &Vec<String>| {
+                let text = row.get(channel.value_cell).map(String::as_str).filter(|text| !text.is_empty());
+                neutral(&row[0]).zip(text).is_some_and(|(neutral, text)| !is_number(text, neutral))
+            };
+            block.iter().any(stated)
         };
-        let has_factor =
-            |channel: &&Channel| FACTORS.iter().any(|(key, usual)| states(key, channel.value_cell, *usual));
         let signals: Vec<Signal> =
             known.iter().filter(has_factor).map(|channel| channel.samples.column.signal).collect();
         let mut notes = assignment.notes;
         notes.extend((!signals.is_empty()).then_some(Note::FactorsInHeader { signals }));
         Ok(Self { width, known, ignored: assignment.ignored, notes, repeated: 0, first_repeated: 0 })
     }
+}
+
+/// The value with which a row of the channel block changes nothing, if it is one with which an export may have scaled its values, or not: `ScaleFactor`,
+/// `Unit ScaleFactor`, `Offset`, `Unit Offset` and other spellings of them. The header is the same either way.
+fn neutral(key: &str) -> Option<f64> {
+    let letters: String = key.chars().filter(char::is_ascii_alphabetic).collect::<String>().to_ascii_lowercase();
+    let is_of_time = letters.contains("time");
+    if is_of_time {
+        None
+    } else if letters.contains("offset") {
+        Some(0.0)
+    } else {
+        ["scale", "factor", "gain"].iter().any(|word| letters.contains(word)).then_some(1.0)
+    }
+}
+
+/// Whether a text is this number, with a decimal point or a comma.
+fn is_number(text: &str, expected: f64) -> bool {
+    text.replacen(',', ".", 1).parse::<f64>().is_ok_and(|value| (value - expected).abs() <= f64::EPSILON)
 }
 
 fn offer(name: &str, symbol: Option<&str>, unit: Option<&str>) -> Offer {
@@ -302,6 +318,12 @@ mod tests {
         let export = EXPORT.replacen("SymbolName", &format!("{scaled}SymbolName"), 1);
         let signals = vec![Signal::Position, Signal::PressureA];
         assert!(read(&export, &map).unwrap().notes().contains(&Note::FactorsInHeader { signals }));
+        for row in ["Scale-Factor", "UNIT SCALEFACTOR", "Unit Offset", "offset", "Gain"] {
+            let export = EXPORT.replacen("SymbolName", &format!("{row}\t1\t2,5\t{row}\t0\nSymbolName"), 1);
+            let noted =
+                |note: &Note| matches!(note, Note::FactorsInHeader { signals } if signals.contains(&Signal::Position));
+            assert!(read(&export, &map).unwrap().notes().iter().any(noted), "{row}");
+        }
         // A channel that is not read does not matter.
         let signals = vec![Signal::PressureA];
         assert!(read(&export, &[]).unwrap().notes().contains(&Note::FactorsInHeader { signals }));

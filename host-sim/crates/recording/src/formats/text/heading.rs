@@ -1,0 +1,220 @@
+//! What stands above the rows of a text: Excel's line `sep=;`, the header, a row of units.
+
+use super::clock;
+use super::decimal_mark::is_missing;
+use super::lines::{Cells, Lines, Splitter, TextLine};
+use crate::channel_map::ChannelMap;
+use crate::error::RecordingError;
+use crate::files::source_error::Place;
+use crate::header::Offer;
+use crate::signal::{Signal, split_header};
+use crate::unit::Unit;
+
+/// The header of a text.
+pub(crate) struct Heading {
+    file: String,
+    line: (usize, String),
+    pub(crate) separator: u8,
+    /// The names, without empty ones at the end: those of a comma that closes every line.
+    pub(crate) names: Vec<String>,
+    /// What the row below says of the unit of each, if it is a row of units.
+    units: Vec<Option<String>>,
+    /// Columns whose first cell is a date or a time of day.
+    stamped: Vec<bool>,
+}
+
+impl Heading {
+    /// Reads the header.
+    pub(crate) fn read(lines: &mut Lines<'_>) -> Result<(Self, Splitter), RecordingError> {
+        let file = lines.file_name().to_owned();
+        let (header, mut splitter) = lines.header()?;
+        let line = (header.number(), header.text.to_owned());
+        let mut names: Vec<String> = splitter.split(header)?.iter().map(str::to_owned).collect();
+        while names.len() > 1 && names.last().is_some_and(String::is_empty) {
+            names.pop();
+        }
+        let (units, stamped) = (vec![None; names.len()], vec![false; names.len()]);
+        Ok((Self { file, line, separator: splitter.separator(), names, units, stamped }, splitter))
+    }
+
+    /// Looks at the row below: takes it, if it is a row of units, and finds dates in the first row of numbers.
+    pub(crate) fn look_below(&mut self, lines: &mut Lines<'_>, splitter: &mut Splitter) -> Result<(), RecordingError> {
+        for may_be_units in [true, false] {
+            let Some(below) = lines.next()? else { return Ok(()) };
+            // What is wrong with the line is said when it is read as a row.
+            let Ok(cells) = splitter.split(below) else {
+                lines.put_back();
+                return Ok(());
+            };
+            if may_be_units && are_units(cells) {
+                self.units = (0..self.names.len()).map(|index| unit_text(cells.get(index))).collect();
+                continue;
+            }
+            self.stamped = (0..self.names.len()).map(|index| clock::is_stamp(cells.get(index))).collect();
+            lines.put_back();
+            return Ok(());
+        }
+        Ok(())
+    }
+
+    /// The columns by their names.
+    pub(crate) fn offers(&self) -> Vec<Offer> {
+        let of = |index: usize| Offer::beside(&self.names[index], self.units[index].as_deref());
+        (0..self.names.len()).map(of).collect()
+    }
+
+    /// The columns by their names; a column of dates that is time, by its name or by the map, has times in s.
+    pub(crate) fn offers_with_stamps(&self, map: &ChannelMap) -> Vec<Offer> {
+        let mut offers = self.offers();
+        for (offer, _) in offers.iter_mut().zip(&self.stamped).filter(|(_, stamped)| **stamped) {
+            let is_mapped = map.get(Signal::Time).is_some_and(|mapping| offer.is_meant_by(mapping));
+            if is_mapped || offer.is_named(Signal::Time) {
+                offer.is_in_seconds();
+            }
+        }
+        offers
+    }
+
+    /// Whether a column is time by its name or the map.
+    #[cfg(feature = "xlsx")]
+    pub(crate) fn has_time(&self, map: &ChannelMap) -> bool {
+        let mapping = map.get(Signal::Time);
+        let is_time =
+            |offer: &Offer| offer.is_named(Signal::Time) || mapping.is_some_and(|mapping| offer.is_meant_by(mapping));
+        self.offers().iter().any(is_time)
+    }
+
+    /// Whether the times of a column are dates or times of day.
+    pub(crate) fn is_stamped(&self, index: usize) -> bool {
+        self.stamped[index]
+    }
+
+    /// The unit of a column, where it has a known one.
+    pub(crate) fn unit(&self, index: usize) -> Option<Unit> {
+        let in_name = split_header(&self.names[index]).1;
+        in_name.or(self.units[index].as_deref()).and_then(Unit::parse)
+    }
+
+    pub(crate) fn place(&self, index: usize) -> Place {
+        TextLine::of(&self.file, self.line.0, &self.line.1).cell(self.separator, index)
+    }
+
+    /// The error of a text without time.
+    pub(crate) fn without_time(&self) -> RecordingError {
+        RecordingError::NoTimeColumn { place: self.place(0), present: self.names.clone() }
+    }
+}
+
+/// Whether these cells are units: at least one is, and none is a number but the 1 of a pure number.
+fn are_units(cells: Cells<'_>) -> bool {
+    let mut any = false;
+    for cell in cells.iter() {
+        let Some(text) = unit_text(cell) else { continue };
+        let is_number = text.replacen(',', ".", 1).parse::<f64>().is_ok_and(|_| text != "1");
+        if is_number || is_missing(cell) || clock::is_stamp(cell) {
+            return false;
+        }
+        any |= Unit::parse(&text).is_some_and(|unit| unit.symbol() != "1");
+    }
+    any
+}
+
+/// A unit with or without brackets around it; `None` for an empty cell.
+fn unit_text(cell: &str) -> Option<String> {
+    let inner = [('[', ']'), ('(', ')'), ('<', '>')]
+        .into_iter()
+        .find_map(|(open, close)| cell.strip_prefix(open).and_then(|rest| rest.strip_suffix(close)));
+    Some(inner.unwrap_or(cell).trim()).filter(|text| !text.is_empty()).map(str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{ChannelMap, RecordingError, Signal, read_from};
+
+    fn read(text: &str) -> Result<crate::Recording, RecordingError> {
+        read_from("run.csv", text.as_bytes(), &ChannelMap::default())
+    }
+
+    #[test]
+    fn a_row_of_units_below_the_header_is_read() {
+        for units in ["ms;mm;1;bar", "[ms];[mm];[1];[bar]", "(ms);(mm);(-);(bar)", "ms;mm;;bar"] {
+            let text = format!("time;position;spool;pressure_a\n{units}\n0;1,5;0,1;70\n10;2,5;0,2;71\n");
+            let recording = read(&text).unwrap();
+            assert_eq!(recording.time_s(), [0.0, 0.01], "{units}");
+            assert_eq!(recording.signal(Signal::Position).unwrap(), [0.0015, 0.0025]);
+            assert_eq!(recording.signal(Signal::PressureA).unwrap(), [70e5, 71e5]);
+            assert_eq!(recording.column(Signal::Position).unwrap().header, "position [mm]");
+        }
+        // With a unit in the header as well, that one counts.
+        let both = read("time [s],position [mm]\n,m\n0,1\n1,2\n").unwrap();
+        assert_eq!(both.signal(Signal::Position).unwrap(), [0.001, 0.002]);
+        let map = ChannelMap::from_arguments(["position=Weg", "time=Zeit"]).unwrap();
+        let mapped = read_from("r.csv", &b"Weg;Zeit\nmm;s\n1,5;0\n2,5;1\n"[..], &map).unwrap();
+        assert_eq!(mapped.signal(Signal::Position).unwrap(), [0.0015, 0.0025]);
+        assert!(matches!(read("time,position\n0,1\n1,2\n"), Err(RecordingError::MissingUnit { .. })));
+    }
+
+    #[test]
+    fn the_line_that_tells_excel_the_separator_is_read() {
+        let rows = |mark: char| format!("time [s]{mark}x, y{mark}position [mm]\n0{mark}9{mark}1\n1{mark}9{mark}2\n");
+        for (line, mark) in
+            [("sep=;", ';'), ("SEP=;", ';'), ("\"sep=;\"", ';'), ("sep=;;;", ';'), ("sep=\t", '\t'), ("sep=|", '|')]
+        {
+            let recording = read(&format!("\u{feff}{line}\r\n{}", rows(mark))).unwrap();
+            assert_eq!(recording.signal(Signal::Position).unwrap(), [0.001, 0.002], "{line}");
+        }
+        let comma = read("sep=,\ntime [s],position [mm]\n0,1\n1,2\n").unwrap();
+        assert_eq!(comma.signal(Signal::Position).unwrap(), [0.001, 0.002]);
+        assert!(matches!(read("sep=;\n"), Err(RecordingError::Empty { .. })));
+    }
+
+    #[test]
+    fn a_separator_at_the_end_of_lines_is_no_cell() {
+        for text in [
+            "time [s],spool,\n0,1,\n1,2,\n",
+            "time [s],spool\n0,1,\n1,2,\n",
+            "time [s],spool,\n0,1\n1,2\n",
+            "time [s];spool;;\n0;1\n1;2;\n",
+        ] {
+            let recording = read(text).unwrap();
+            assert_eq!(recording.signal(Signal::Spool).unwrap(), [1.0, 2.0], "{text}");
+            assert!(recording.ignored().is_empty());
+        }
+        assert!(matches!(read("time [s],spool\n0,1,5\n1,2,\n"), Err(RecordingError::RaggedRow { .. })));
+    }
+
+    #[test]
+    fn time_is_found_in_any_column_and_never_taken_from_an_index() {
+        for text in [
+            ",time [s],position [mm]\n0,0.5,1\n1,0.6,2\n",
+            "Unnamed: 0,position [mm],time [s]\n0,1,0.5\n1,2,0.6\n",
+            "position [mm];index;time [s];\n1;0;0,5\n2;1;0,6\n",
+        ] {
+            let recording = read(text).unwrap();
+            assert_eq!(recording.time_s(), [0.5, 0.6], "{text}");
+            assert_eq!(recording.signal(Signal::Position).unwrap(), [0.001, 0.002]);
+            assert_eq!(recording.columns()[0].signal, Signal::Time);
+        }
+        let refused = read(",Zeit [s],position [mm]\n0,0.5,1\n1,0.6,2\n").unwrap_err();
+        let told = refused.to_string();
+        let begins = "run.csv:1:1: no column is time; expected a column `time [s]` (or ms, µs), or --map \"time=Zeit [s]\"; other columns";
+        assert!(told.starts_with(begins) && told.ends_with("The file has: Zeit [s], position [mm]"), "{told}");
+        assert!(ChannelMap::from_arguments(["time= [s]"]).is_err());
+    }
+
+    #[test]
+    fn a_last_line_that_is_cut_off_is_not_read() {
+        let whole = "time [s],position [mm],spool\n0,1.25,0.125\n1,2.25,0.250\n2,3.25,0.375\n3,4.25,0.500";
+        assert_eq!(read(whole).unwrap().rows(), 4);
+        assert!(read(whole).unwrap().notes().is_empty());
+        let begins = whole.rfind('3').unwrap();
+        for end in begins + 1..whole.len() {
+            let recording = read(&whole[..end]).unwrap();
+            assert_eq!((recording.rows(), recording.time_s()[2]), (3, 2.0), "{}", &whole[..end]);
+            let told: Vec<String> = recording.notes().iter().map(ToString::to_string).collect();
+            assert_eq!(told, ["line 5, the last one, is cut off and is not read"]);
+        }
+        // With rows behind it, it is not cut off.
+        assert!(matches!(read("time [s],spool\n0,1\n1\n2,1\n"), Err(RecordingError::RaggedRow { .. })));
+    }
+}
