@@ -5,7 +5,7 @@ use std::{fmt, io};
 use crate::files::atomic;
 use crate::files::source_error::{Explained, Place, after_number, counted, engineering, quoted};
 use crate::formats::format::Format;
-use crate::formats::text::decimal_mark::MarkFault;
+use crate::formats::mark_fault::MarkFault;
 use crate::formats::unsupported::Unsupported;
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};

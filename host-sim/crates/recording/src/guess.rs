@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use crate::formats::survey::Surveyed;
+use crate::formats::surveyed::Surveyed;
 use crate::signal::Signal;
 use crate::unit::Dimension;
 
