@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let recordings = match input::recordings(&arguments.recordings, &channels, console) {
         Ok(recordings) => recordings,
         Err(error) => {
-            guess(&error, &arguments.recordings, console)?;
+            guess(&error, &arguments.recordings, console);
             return Err(error);
         }
     };
@@ -73,9 +73,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(Outcome::Done)
 }
 
-/// Where no header is known: prints what its columns may hold, to be pasted into the machine file.
-fn guess(error: &CliError, recordings: &[PathBuf], console: &mut Console<'_>) -> Result<(), CliError> {
-    let CliError::Recording(error) = error else { return Ok(()) };
+/// Where no header is known: notes what its columns may hold, to be pasted into the machine file.
+fn guess(error: &CliError, recordings: &[PathBuf], console: &Console<'_>) {
+    let CliError::Recording(error) = error else { return };
     let is_unknown = matches!(
         error,
         RecordingError::NoTimeColumn { .. } | RecordingError::NothingKnown { .. } | RecordingError::NoTimes { .. }
@@ -84,7 +84,6 @@ fn guess(error: &CliError, recordings: &[PathBuf], console: &mut Console<'_>) ->
     let columns = recordings.iter().find(named).filter(|_| is_unknown).and_then(|path| survey(path).ok());
     // A file in which nothing can be guessed has no header at all.
     if let Some(columns) = columns.filter(|columns| !guess::channels(columns).is_empty()) {
-        console.print(guess::block(&columns))?;
+        console.note(format_args!("for the machine file, once checked:\n\n{}", guess::block(&columns)));
     }
-    Ok(())
 }

@@ -65,7 +65,9 @@ fn where_no_header_is_known_a_block_of_channels_is_guessed_that_can_be_pasted() 
     let folder = folder_with(MACHINE, &format!("Zeit [ms];Kolbenweg [mm];U [V];Druck A [bar]\n{rows}"));
     let output = run(folder.path(), &["inspect", "run.csv"]);
     assert_eq!(output.status.code(), Some(2));
-    let block = text(&output.stdout);
+    let told = text(&output.stderr);
+    let block =
+        told.split_once("note: for the machine file, once checked:\n\n").unwrap().1.split_once("\n\n").unwrap().0;
     assert!(block.starts_with("[channels] # guessed from names, units and shapes: check every line\n"), "{block}");
     std::fs::write(folder.path().join("pasted.toml"), format!("{MACHINE}\n{block}")).unwrap();
     let printed = done(folder.path(), &["inspect", "run.csv", "--machine", "pasted.toml"]);

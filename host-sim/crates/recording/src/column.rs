@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::linkage::Linkage;
-use crate::signal::Signal;
+use crate::signal::{Signal, split_header};
 use crate::unit::Unit;
 
 /// One known column of a recording.
@@ -42,6 +42,15 @@ impl Column {
     pub(crate) fn position_from(angle: &Self, linkage: &Arc<Linkage>) -> Self {
         let from_angle = Some(FromAngle { unit: angle.unit, linkage: Arc::clone(linkage) });
         Self { from_angle, ..Self::si(Signal::Position, Vec::new()) }
+    }
+
+    /// Whether this column of times, called `name` in the file, is an index: it is called so and counts rows one by one.
+    pub(crate) fn is_index(&self, name: &str) -> bool {
+        const NAMES: [&str; 10] =
+            ["index", "idx", "unnamed: 0", "level_0", "__index_level_0__", "row", "row number", "#", "no", "nr"];
+        let name = split_header(name).0.trim_end_matches('.').to_lowercase();
+        let counts = |pair: &[f64]| (self.unit.from_si(pair[1]) - self.unit.from_si(pair[0]) - 1.0).abs() < 1e-9;
+        NAMES.contains(&name.as_str()) && self.values.windows(2).all(counts)
     }
 
     /// The value in SI units of what the file holds; `None` for an angle that the linkage does not reach.

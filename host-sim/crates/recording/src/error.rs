@@ -5,7 +5,7 @@ use std::{fmt, io};
 use crate::files::atomic;
 use crate::files::source_error::{Explained, Place, after_number, counted, engineering, quoted};
 use crate::formats::format::Format;
-use crate::formats::text::decimal_mark::MarkFault;
+use crate::formats::mark_fault::MarkFault;
 use crate::formats::unsupported::Unsupported;
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};
@@ -39,6 +39,8 @@ pub enum RecordingError {
     OpenQuote { place: Place },
     /// No column is time; `present` are the columns' names.
     NoTimeColumn { place: Place, present: Vec<String> },
+    /// The column that is mapped to time numbers the rows.
+    Index { place: Place, header: String },
     /// Two columns hold the same signal.
     DuplicateColumn { place: Place, signal: Signal, first: String, second: String },
     /// Known names without a unit in brackets; `place` is where the first one stands.
@@ -112,6 +114,7 @@ impl Explained for RecordingError {
             | E::ControlCharacter { place, .. }
             | E::OpenQuote { place }
             | E::NoTimeColumn { place, .. }
+            | E::Index { place, .. }
             | E::DuplicateColumn { place, .. }
             | E::MissingUnit { place, .. }
             | E::UnknownUnit { place, .. }
@@ -164,6 +167,7 @@ impl Explained for RecordingError {
             E::OpenQuote { .. } => "a quotation mark that is not closed on its line".into(),
             E::NoTimeColumn { present, .. } if are_numbers(present) => "numbers where the header should be".into(),
             E::NoTimeColumn { .. } => "no column is time".into(),
+            E::Index { header, .. } => format!("column {} numbers the rows, and is mapped to time", quoted(header)),
             E::DuplicateColumn { signal, first, second, .. } => {
                 format!("columns {} and {} both hold {signal}", quoted(first), quoted(second))
             }
@@ -243,6 +247,7 @@ impl Explained for RecordingError {
             E::ControlCharacter { .. } => "a text file in UTF-8 with line ends LF or CRLF".into(),
             E::OpenQuote { .. } => "a closing quotation mark on the same line".into(),
             E::NoTimeColumn { present, .. } => time_column(present),
+            E::Index { .. } => "a column of times: the number of a row is not its time".into(),
             E::DuplicateColumn { signal, .. } => format!("one column for {signal}; choose with --map \"{signal}=…\""),
             E::MissingUnit { place, columns } => {
                 let [(signal, header), ..] = columns.as_slice() else { return String::new() };

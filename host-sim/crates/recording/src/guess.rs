@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use crate::formats::survey::Surveyed;
+use crate::formats::surveyed::Surveyed;
 use crate::signal::Signal;
 use crate::unit::Dimension;
 
@@ -79,8 +79,8 @@ pub fn channels(columns: &[Surveyed]) -> Vec<Guess> {
         }
     }
     for &signal in Signal::ALL {
-        let is_other =
-            matches!(signal, Signal::Reference | Signal::LoadForce | Signal::ValveDirection) || signal.is_pressure();
+        let is_other = matches!(signal, Signal::Time | Signal::Reference | Signal::LoadForce | Signal::ValveDirection)
+            || signal.is_pressure();
         if is_other || guesses.iter().any(|guess| guess.signal == signal) {
             continue;
         }

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
-use crate::formats::read::open;
+use crate::formats::source::open;
 use crate::formats::text::decimal_mark::{DecimalMark, is_missing};
 use crate::formats::text::heading::Heading;
 use crate::formats::text::lines::{Input, Lines, most_rows};

@@ -293,6 +293,10 @@ impl<C: Contents> File<'_, C> {
         if kept < 2 {
             return Err(RecordingError::TooFewRows { place: Place::file(self.name), rows: kept, skipped: rows - kept });
         }
+        let name = &self.contents.offered()[clock].name;
+        if columns[0].is_index(name) {
+            return Err(RecordingError::Index { place: self.place(clock), header: name.clone() });
+        }
         notes.extend(repeated.map(|(rows, first)| Note::DuplicateTimes { rows, first }));
         notes.extend(incomplete.map(|(rows, first)| Note::IncompleteRows { rows, first }));
         let mut recording = Recording::assemble(self.name, columns, ignored, notes);

@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use flate2::read::MultiGzDecoder;
 
 use super::format::MAX_UNPACKED_BYTES;
-use super::read::unreadable;
+use super::source::unreadable;
 use super::text::lines::Input;
 use super::unsupported::Unsupported;
 use crate::error::RecordingError;

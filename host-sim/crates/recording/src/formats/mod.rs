@@ -9,6 +9,7 @@ mod columns;
 pub mod format;
 #[cfg(feature = "gzip")]
 mod gzip;
+pub(crate) mod mark_fault;
 #[cfg(feature = "mat")]
 mod mat;
 #[cfg(feature = "mdf4")]
@@ -18,8 +19,10 @@ mod parquet;
 pub mod read;
 mod resample;
 pub mod sheet;
+pub(crate) mod source;
 mod stamp_clock;
 pub mod survey;
+pub(crate) mod surveyed;
 pub(crate) mod text;
 pub(crate) mod unsupported;
 pub mod write;

@@ -1,13 +1,14 @@
 //! Reading: a file or any other source, in the format that its first bytes show, as a whole or in parts.
 
 use std::fs::File;
-use std::io::{self, Cursor, Read};
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use super::chunks::{PART_ROWS, Parts};
-#[cfg(any(feature = "mat", feature = "mdf4", feature = "parquet", feature = "xlsx"))]
-use super::format::MAX_BINARY_BYTES;
 use super::format::{Format, HEAD};
+#[cfg(any(feature = "mat", feature = "mdf4", feature = "parquet", feature = "xlsx"))]
+use super::source::held;
+use super::source::{open, unreadable};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
@@ -77,19 +78,6 @@ pub fn parts_of<'a>(
     Ok(Parts::of(opened(name, input, map)?, usual_rows))
 }
 
-/// Opens a file; also gives its name for messages.
-pub(crate) fn open(path: &Path) -> Result<(String, File), RecordingError> {
-    let name = path.display().to_string();
-    match File::open(path) {
-        Ok(file) => Ok((name, file)),
-        Err(source) => Err(unreadable(&name, source)),
-    }
-}
-
-pub(super) fn unreadable(name: &str, source: io::Error) -> RecordingError {
-    RecordingError::Io { place: Place::file(name), source }
-}
-
 /// Opens a recording in the format that its first bytes show: of a text only the header is read, any other format is read as a whole.
 fn opened<'a>(name: &str, mut input: Input<'a>, map: &ChannelMap) -> Result<Opened<'a>, RecordingError> {
     let mut head = Vec::new();
@@ -115,17 +103,6 @@ fn opened<'a>(name: &str, mut input: Input<'a>, map: &ChannelMap) -> Result<Open
         #[allow(unreachable_patterns, reason = "reached where the program was built without a feature")]
         format => Err(RecordingError::FeatureAbsent { place: Place::file(name), format }),
     }
-}
-
-/// All bytes of a file that is not text.
-#[cfg(any(feature = "mat", feature = "mdf4", feature = "parquet", feature = "xlsx"))]
-pub(super) fn held(name: &str, packed: impl Read) -> Result<Vec<u8>, RecordingError> {
-    let mut bytes = Vec::new();
-    packed.take(MAX_BINARY_BYTES + 1).read_to_end(&mut bytes).map_err(|source| unreadable(name, source))?;
-    if bytes.len() as u64 > MAX_BINARY_BYTES {
-        return Err(RecordingError::TooLarge { place: Place::file(name), most_bytes: MAX_BINARY_BYTES });
-    }
-    Ok(bytes)
 }
 
 /// Where the file is not text and its name has the extension of another format, the error says that the file is not of that format.

@@ -23,7 +23,7 @@ use numbers::Numbers;
 
 use super::columns::{self, Contents, Offered};
 use super::format::is_version_4;
-use super::survey::{Surveyed, of_contents};
+use super::surveyed::{Surveyed, of_contents};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::formats::text::lines::MAX_COLUMNS;

@@ -24,7 +24,7 @@ use conversion::Conversion;
 
 use super::columns::{self, Contents, Offered};
 use super::format::Format;
-use super::survey::{Surveyed, of_contents};
+use super::surveyed::{Surveyed, of_contents};
 use super::unsupported::Unsupported;
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;

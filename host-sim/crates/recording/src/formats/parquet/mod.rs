@@ -25,7 +25,7 @@ use parquet::schema::types::ColumnDescPtr;
 use super::catch_panic::contained;
 use super::columns::{self, Contents, Offered};
 use super::format::{Format, MAX_UNPACKED_BYTES};
-use super::survey::{Surveyed, of_contents};
+use super::surveyed::{Surveyed, of_contents};
 use super::unsupported::Unsupported;
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;

@@ -1,6 +1,6 @@
 //! Times of a text that are written as dates and times of day.
 
-use chrono::{DateTime, NaiveDate, NaiveDateTime, NaiveTime};
+use chrono::{DateTime, NaiveDate, NaiveDateTime, NaiveTime, TimeDelta};
 
 /// Forms of a time with its date; a fraction of a second may follow.
 const WITH_DATE: [&str; 5] = [
@@ -34,8 +34,9 @@ impl StampClock {
             return None;
         }
         let passed = reading.at - first.at;
-        // Whole seconds and the rest apart: a double does not hold the nanoseconds of a year.
-        Some(passed.num_seconds() as f64 + f64::from(passed.subsec_nanos()) * 1e-9)
+        // In whole nanoseconds as long as they fit: 0.03 and not 0.030000000000000002.
+        let whole = || passed.num_seconds() as f64 + f64::from(passed.subsec_nanos()) * 1e-9;
+        Some(passed.num_nanoseconds().map_or_else(whole, |nanoseconds| nanoseconds as f64 / 1e9))
     }
 }
 
@@ -59,8 +60,33 @@ fn reading(text: &str) -> Option<Reading> {
     if let Some(at) = dated {
         return Some(Reading { at, has_date: true });
     }
-    let at = NaiveDate::default().and_time(NaiveTime::parse_from_str(bare, OF_DAY).ok()?);
+    let passed = match bare.split_once(" day") {
+        // A duration as pandas writes it: 0 days 00:00:00.002000.
+        Some((days, rest)) => {
+            let of_day = NaiveTime::parse_from_str(rest.trim_start_matches('s').trim_start(), OF_DAY).ok()?;
+            TimeDelta::try_days(days.parse().ok()?)? + (of_day - NaiveTime::MIN)
+        }
+        None => match bare.strip_prefix("PT") {
+            Some(duration) => iso_duration(duration)?,
+            None => NaiveTime::parse_from_str(bare, OF_DAY).ok()? - NaiveTime::MIN,
+        },
+    };
+    let at = NaiveDate::default().and_time(NaiveTime::MIN).checked_add_signed(passed)?;
     Some(Reading { at, has_date: false })
+}
+
+/// A duration as ISO 8601 and Polars write it behind `PT`: `1H2M3.25S`.
+fn iso_duration(text: &str) -> Option<TimeDelta> {
+    let (mut rest, mut nanoseconds) = (text, 0.0);
+    for (letter, unit_ns) in [('H', 3600e9), ('M', 60e9), ('S', 1e9)] {
+        if let Some((number, after)) = rest.split_once(letter) {
+            nanoseconds += (number.parse::<f64>().ok()? * unit_ns).round();
+            rest = after;
+        }
+    }
+    let is_whole = rest.is_empty() && !text.is_empty() && nanoseconds.abs() < 9e18;
+    #[expect(clippy::cast_possible_truncation, reason = "within the range of an i64, as checked")]
+    is_whole.then_some(TimeDelta::nanoseconds(nanoseconds as i64))
 }
 
 #[cfg(test)]
@@ -79,6 +105,8 @@ mod tests {
             ["06.05.2024 07:08:59,990", "06.05.2024 07:09:00,002"],
             ["2024/12/31 23:59:59.990", "2025/01/01 00:00:00.002"],
             ["07:08:59.990", "07:09:00.002"],
+            ["0 days 23:59:59.990", "1 days 00:00:00.002"],
+            ["PT59.99S", "PT1M0.002S"],
         ] {
             let mut clock = StampClock::default();
             assert_eq!(clock.seconds(first), Some(0.0));
@@ -87,9 +115,10 @@ mod tests {
         }
         let mut clock = StampClock::default();
         assert_eq!(clock.seconds("2024-05-06T07:08:59.123456789"), Some(0.0));
-        assert_eq!(clock.seconds("2025-05-06T07:08:59.123456790"), Some(365.0 * 86400.0 + 1e-9));
+        assert_eq!(clock.seconds("2025-05-06T07:08:59.123456790"), Some(31_536_000_000_000_001.0 / 1e9));
         assert_eq!(clock.seconds("07:08:59"), None);
-        for other in ["5/6/2024 07:08:59", "12.5", "Tuesday", "07:08", "25:00:00", ""] {
+        for other in ["5/6/2024 07:08:59", "12.5", "Tuesday", "07:08", "25:00:00", "", "PT", "PTxS", "x days 00:00:00"]
+        {
             assert!(!is_stamp(other), "{other}");
         }
     }

@@ -181,6 +181,9 @@ impl Reader<'_> {
         if rows < 2 {
             return Err(RecordingError::TooFewRows { place: self.lines.file(), rows, skipped: left_out.after.len() });
         }
+        if columns[0].is_index(&columns[0].header) {
+            return Err(RecordingError::Index { place: self.lines.file(), header: columns[0].header.clone() });
+        }
         let mut notes = std::mem::take(&mut self.notes);
         if self.western.is_none() {
             self.western = self.lines.western();

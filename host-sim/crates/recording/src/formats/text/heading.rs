@@ -200,6 +200,14 @@ mod tests {
         let begins = "run.csv:1:1: no column is time; expected a column `time [s]` (or ms, µs), or --map \"time=Zeit [s]\"; other columns";
         assert!(told.starts_with(begins) && told.ends_with("The file has: Zeit [s], position [mm]"), "{told}");
         assert!(ChannelMap::from_arguments(["time= [s]"]).is_err());
+        for name in ["index", "Unnamed: 0", "Nr."] {
+            let map = ChannelMap::from_arguments([format!("time={name} [s]").as_str()]).unwrap();
+            let read = |text: &str| read_from("run.csv", text.replace("index", name).as_bytes(), &map);
+            let index = read("index,time [s],position [mm]\n0,0.5,1\n1,0.6,2\n2,0.7,3\n").unwrap_err();
+            assert!(matches!(index, RecordingError::Index { .. }), "{index}");
+            // Times that pandas had as its index are times.
+            assert_eq!(read("index,position [mm]\n0.5,1\n0.6,2\n").unwrap().time_s(), [0.5, 0.6]);
+        }
     }
 
     #[test]
