@@ -13,9 +13,10 @@ const LISTED: [&str; 5] = [
     "mps2-embassy/src/main.rs",
 ];
 
-/// Lines without indentation and empty ones: a listing in the book may be indented less.
+/// Lines without indentation, empty ones, remarks of a configuration, and the folder that this repository builds into: a listing in the book may be without.
 fn lines(text: &str) -> Vec<&str> {
-    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect()
+    let left_out = |line: &&str| line.is_empty() || line.starts_with("# ") || line.starts_with("target-dir");
+    text.lines().map(str::trim).filter(|line| !left_out(line)).collect()
 }
 
 /// The listings of a part of a chapter that are not compiled as documentation.

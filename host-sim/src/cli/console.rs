@@ -1,7 +1,8 @@
 //! Where a command prints.
 
 use std::fmt::{self, Display};
-use std::io::{self, Read, Write};
+use std::io::{self, IsTerminal, Read, Write};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use anstyle::{AnsiColor, Style};
@@ -58,6 +59,8 @@ pub struct Console<'a> {
     pub width: Option<u16>,
     /// How much is said beside the result; `None` where nobody reads it.
     beside: Option<Volume>,
+    /// Whether a document was printed that is to be alone: what is printed after it is dropped.
+    alone: bool,
 }
 
 impl fmt::Debug for Console<'_> {
@@ -74,17 +77,24 @@ impl<'a> Console<'a> {
         let terminal = anstream::AutoStream::choice(&io::stdout()) != anstream::ColorChoice::Never;
         let size = Term::stdout().size_checked();
         let width = size.map(|(_, columns)| columns).filter(|columns| *columns >= NARROWEST);
-        Self { out, terminal, width, beside: Some(volume) }
+        Self { out, terminal, width, beside: Some(volume), alone: false }
     }
 
     /// A console that prints into a buffer and shows no progress.
     pub fn into_buffer(out: &'a mut dyn Write) -> Self {
-        Self { out, terminal: false, width: None, beside: None }
+        Self { out, terminal: false, width: None, beside: None, alone: false }
     }
 
     /// Prints a line, or several. If the reader has closed the output, as `head` does, the text is dropped and the command continues.
     pub fn print(&mut self, text: impl Display) -> Result<(), CliError> {
         self.write(&printable(&text))
+    }
+
+    /// Prints a document for programs; nothing is printed after it.
+    pub fn print_alone(&mut self, document: &str) -> Result<(), CliError> {
+        self.write(document)?;
+        self.alone = true;
+        Ok(())
     }
 
     /// Prints text that contains its own styles; names from files in it have to be printable already.
@@ -105,6 +115,9 @@ impl<'a> Console<'a> {
     }
 
     fn put(&mut self, text: &str) -> io::Result<()> {
+        if self.alone {
+            return Ok(());
+        }
         writeln!(self.out, "{text}").and_then(|()| self.out.flush())
     }
 
@@ -168,8 +181,10 @@ impl<'a> Console<'a> {
         let verbose = self.beside == Some(Volume::Verbose);
         let began = Instant::now();
         if !self.talks() {
-            return Progress { bar: ProgressBar::hidden(), doing, began, verbose };
+            return Progress { bar: ProgressBar::hidden(), doing, began, verbose, minutes: None };
         }
+        // Where a bar cannot be drawn, as in a log, a line a minute tells that the work goes on.
+        let minutes = (!io::stderr().is_terminal()).then(AtomicU64::default);
         let bar = match ProgressStyle::with_template(template) {
             Ok(style) => bar.with_style(style.with_key("left", left("")).with_key("at_most", left("at most "))),
             Err(_) => bar,
@@ -177,7 +192,7 @@ impl<'a> Console<'a> {
         bar.set_message(doing);
         // The sign moves even while a step takes long.
         bar.enable_steady_tick(Duration::from_millis(200));
-        Progress { bar, doing, began, verbose }
+        Progress { bar, doing, began, verbose, minutes }
     }
 }
 
@@ -198,12 +213,28 @@ pub struct Progress {
     doing: &'static str,
     began: Instant,
     verbose: bool,
+    /// Minutes that were told, where there is no terminal.
+    minutes: Option<AtomicU64>,
 }
 
 impl Progress {
     /// This number of further steps is done.
     pub fn inc(&self, steps: u64) {
         self.bar.inc(steps);
+        // The number of steps is sometimes an estimate.
+        if let Some(all) = self.bar.length().filter(|all| self.bar.position() > *all) {
+            self.bar.set_position(all);
+        }
+        self.tell();
+    }
+
+    /// Tells each minute once how far the work is, where there is no terminal.
+    fn tell(&self) {
+        let Some(minutes) = &self.minutes else { return };
+        let now = self.began.elapsed().as_secs() / 60;
+        if now > minutes.fetch_max(now, Ordering::Relaxed) {
+            let _ = writeln!(io::stderr(), "{}", so_far(self.doing, now, self.bar.position(), self.bar.length()));
+        }
     }
 
     /// Reads from `input`; each byte is a step.
@@ -214,6 +245,7 @@ impl Progress {
     /// This number of steps is done in all.
     pub fn reach(&self, steps: u64) {
         self.bar.set_position(steps);
+        self.tell();
     }
 
     /// Prints something while the bar is hidden.
@@ -231,9 +263,32 @@ impl Progress {
     }
 }
 
+/// How far a stage is after so many minutes; estimates of its length may be short, so it is never told to be more than done.
+fn so_far(doing: &str, minutes: u64, done: u64, of: Option<u64>) -> String {
+    let share = of.filter(|of| *of > 0).map(|of| format!(", {} %", 100 * done.min(of) / of));
+    format!("{doing}: {minutes} min{}", share.unwrap_or_default())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_in_a_log_tells_the_minutes_and_at_most_all_of_the_work() {
+        assert_eq!(so_far("diagnosing", 1, 30, Some(120)), "diagnosing: 1 min, 25 %");
+        assert_eq!(so_far("diagnosing", 12, 130, Some(120)), "diagnosing: 12 min, 100 %");
+        assert_eq!(so_far("diagnosing", 2, 5, None), "diagnosing: 2 min");
+    }
+
+    #[test]
+    fn nothing_is_printed_after_a_document_that_is_to_be_alone() {
+        let mut out = Vec::new();
+        let mut console = Console::into_buffer(&mut out);
+        console.print_alone("{}").unwrap();
+        console.print("text").unwrap();
+        console.verdict("nothing missing", Tone::Good).unwrap();
+        assert_eq!(out, b"{}\n");
+    }
 
     #[test]
     fn a_verdict_is_coloured_on_a_terminal_only() {
@@ -244,7 +299,7 @@ mod tests {
         Console::into_buffer(&mut out).print("a\u{1b}[2J\u{7}b\n\tc").unwrap();
         assert_eq!(out, b"a\\u{1b}[2J\\u{7}b\n\tc\n", "a name that a terminal would obey");
         let mut out = Vec::new();
-        Console { out: &mut out, terminal: true, width: None, beside: None }
+        Console { out: &mut out, terminal: true, width: None, beside: None, alone: false }
             .verdict("unexplained", Tone::Open)
             .unwrap();
         let text = String::from_utf8(out).unwrap();

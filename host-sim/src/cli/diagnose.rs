@@ -16,7 +16,7 @@ use simulation::is_driven_by_pressures;
 use super::console::{Console, Progress, Tone};
 use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE};
 use super::error::CliError;
-use super::target::{check_apart, check_targets, write};
+use super::target::{check_apart, check_targets, write, write_document};
 use super::{Outcome, input};
 
 /// Arguments of `diagnose`.
@@ -64,7 +64,7 @@ pub struct Arguments {
     /// did not try and what was slow, and claims nothing
     #[arg(long, value_name = "s", default_value_t = Options::USUAL_LIMIT_S, value_parser = seconds, allow_negative_numbers = true)]
     time_limit: f64,
-    /// Write the diagnosis for programs
+    /// Write the diagnosis for programs; `-` prints it in place of the text
     #[arg(long, value_name = "D.json")]
     json: Option<PathBuf>,
     /// Write the machine file with refitted parameters and the effects found
@@ -131,7 +131,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let exhibits = exhibits.map_err(|cause| failed(&job.machine, cause.into()))?;
 
     if let Some(path) = &arguments.json {
-        write(path, format!("{:#}\n", json::document(&diagnosis, &exhibits)))?;
+        write_document(path, &format!("{:#}\n", json::document(&diagnosis, &exhibits)), console)?;
     }
     if let Some(path) = &arguments.save_machine {
         let mut after = diagnosis.machine_file(&job.file);

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::error::CliError;
 
 /// What is written into a file, and the endings of names for it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Kind {
     what: &'static str,
     endings: &'static [&'static str],
@@ -19,7 +19,7 @@ pub(crate) const TEXT: Kind = Kind { what: "CSV", endings: &["csv", "txt"] };
 pub(crate) const DRAWING: Kind = Kind { what: "an SVG drawing", endings: &["svg"] };
 /// A page for people.
 pub(crate) const PAGE: Kind = Kind { what: "an HTML page", endings: &["html", "htm"] };
-/// A document for programs.
+/// A document for programs; in place of a file it may go to standard output, in place of the command's text.
 pub(crate) const DOCUMENT: Kind = Kind { what: "JSON", endings: &["json"] };
 /// A machine file.
 pub(crate) const MACHINE: Kind = Kind { what: "a machine file", endings: &["toml"] };
@@ -41,7 +41,7 @@ pub(crate) fn is_standard_output(path: &Path) -> bool {
 /// format here, and the name of a pipe: other programs may choose their temporary names.
 pub(crate) fn check_ending(option: &'static str, path: &Path, kind: Kind) -> Result<(), CliError> {
     if is_standard_output(path) {
-        return Err(CliError::Dash { option });
+        return if kind == DOCUMENT { Ok(()) } else { Err(CliError::Dash { option }) };
     }
     let is_stream = path.metadata().is_ok_and(|file| !file.is_file() && !file.is_dir());
     let written = [RECORDING, DRAWING, PAGE, DOCUMENT, MACHINE, SOURCE];

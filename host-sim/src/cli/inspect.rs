@@ -9,7 +9,7 @@ use recording::{ChannelMap, RecordingError, guess, survey};
 use super::console::Console;
 use super::ending::DOCUMENT;
 use super::error::CliError;
-use super::target::{check_targets, write};
+use super::target::{check_targets, write_document};
 use super::{Outcome, input};
 
 /// Arguments of `inspect`.
@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Which column holds a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
-    /// Write what was found for programs
+    /// Write what was found for programs; `-` prints it in place of the text
     #[arg(long, value_name = "I.json")]
     json: Option<PathBuf>,
 }
@@ -62,7 +62,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let found: Vec<Inspection> = recordings.iter().map(inspected).collect();
     bar.finish_and_clear();
     if let Some(path) = &arguments.json {
-        write(path, format!("{:#}\n", report::inspect::document(&found)))?;
+        write_document(path, &format!("{:#}\n", report::inspect::document(&found)), console)?;
     }
     let texts: Vec<String> = found.iter().map(|found| report::inspect::text(found, console.width)).collect();
     console.print(texts.join("\n").trim_end())?;

@@ -17,7 +17,7 @@ use simulation::{InputPoint, Stimulus};
 use super::console::Console;
 use super::ending::{DOCUMENT, DRAWING, SOURCE, TEXT};
 use super::error::CliError;
-use super::target::{check_targets, write};
+use super::target::{check_targets, write, write_document};
 use super::{Outcome, input};
 use crate::played::Played;
 
@@ -66,7 +66,7 @@ pub struct Arguments {
     /// Write it for the firmware, which plays it (Rust): build with `FIRMWARE_PLAN=E.rs`
     #[arg(long, value_name = "E.rs", conflicts_with = "with_load")]
     firmware: Option<PathBuf>,
-    /// Write the plan for programs
+    /// Write the plan for programs; `-` prints it in place of the text
     #[arg(long, value_name = "P.json")]
     json: Option<PathBuf>,
     /// Draw the isolability matrix of the excitation that separates most
@@ -121,7 +121,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         write(path, played.rust())?;
     }
     if let Some(path) = &arguments.json {
-        write(path, format!("{:#}\n", report::plan::document(&file.name, &sensors, &plan)))?;
+        write_document(path, &format!("{:#}\n", report::plan::document(&file.name, &sensors, &plan)), console)?;
     }
     if let Some(path) = &arguments.plot {
         write(path, plot::grid(&report::plan::matrix(&plan.best)))?;

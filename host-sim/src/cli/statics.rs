@@ -10,7 +10,7 @@ use super::Outcome;
 use super::console::Console;
 use super::ending::{DOCUMENT, DRAWING};
 use super::error::CliError;
-use super::target::{check_targets, write};
+use super::target::{check_targets, write, write_document};
 
 /// Arguments of `statics`.
 #[derive(Clone, Debug, clap::Args)]
@@ -54,7 +54,7 @@ pub struct Arguments {
     /// Header of a pressure on the way to the tank: its rise over the output
     #[arg(long = "return", value_name = "header")]
     returning: Option<String>,
-    /// Write the figures for programs
+    /// Write the figures for programs; `-` prints it in place of the text
     #[arg(long, value_name = "S.json")]
     json: Option<PathBuf>,
     /// Draw output over input
@@ -85,7 +85,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let values: Vec<(&[f64], &[f64])> = values.collect::<Result<_, StaticsError>>()?;
     let (text, document, drawing) = views(&sweeps, &values, arguments);
     if let Some(path) = &arguments.json {
-        write(path, document)?;
+        write_document(path, &document, console)?;
     }
     if let Some(path) = &arguments.plot {
         write(path, drawing)?;

@@ -12,7 +12,7 @@ use recording::files::atomic;
 use recording::files::atomic::Begun;
 
 use super::console::Console;
-use super::ending::{Kind, check_ending, is_standard_output};
+use super::ending::{DOCUMENT, Kind, check_ending, is_standard_output};
 use super::error::CliError;
 
 /// A file that an option names, and what is written there.
@@ -24,6 +24,9 @@ pub(crate) fn check_targets(targets: &[Target<'_>], read: &[PathBuf]) -> Result<
     check_apart(targets)?;
     for &(option, path, kind) in targets {
         let Some(path) = path else { continue };
+        if kind == DOCUMENT && is_standard_output(path) {
+            continue;
+        }
         check_target(path)?;
         check_not_read(path, read)?;
         check_ending(option, path, kind)?;
@@ -58,6 +61,11 @@ pub(crate) fn unwritten(path: &Path) -> impl FnOnce(io::Error) -> CliError {
 /// Writes a file whole or not at all.
 pub(crate) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     atomic::write(path, |out| out.write_all(bytes.as_ref())).map_err(unwritten(path))
+}
+
+/// Writes a document for programs to a file; where the path is `-` it is all that the command prints.
+pub(crate) fn write_document(path: &Path, document: &str, console: &mut Console<'_>) -> Result<(), CliError> {
+    if is_standard_output(path) { console.print_alone(document.trim_end()) } else { write(path, document) }
 }
 
 /// Writes files that belong together: the first takes its name when all of them are on disk.

@@ -28,6 +28,7 @@ fn outputs() -> Vec<(Vec<&'static str>, &'static str)> {
         (with(&DIAGNOSE, &["--json", "j.json"]), "--save-machine"),
         (with(&DIAGNOSE, &["--json", "j.json"]), "--plot"),
         (with(&DIAGNOSE, &["--report", "r.html"]), "--json"),
+        (vec!["inspect", "train-1.csv"], "--json"),
         (with(&COMPARE, &[]), "--plot"),
         (with(&SIMULATE, &["--plot", "p.svg"]), "--out"),
         (with(&SIMULATE, &["--out", "o.csv"]), "--plot"),
@@ -113,9 +114,21 @@ fn a_dash_is_standard_output_where_nothing_else_is_printed() {
     let export = ["export", "--machine", "machine.toml", "--out", "-", "--format"];
     assert!(done(folder.path(), &[&export[..], &["c99"]].concat()).contains("#define"));
     assert!(refused(folder.path(), &[&export[..], &["fmu"]].concat()).contains("an FMU is a binary file"));
-    for (command, argument) in outputs().into_iter().filter(|(_, argument)| *argument != "--out") {
+    for (command, argument) in outputs().into_iter().filter(|(_, argument)| !["--out", "--json"].contains(argument)) {
         let message = refused(folder.path(), &[&command[..], &[argument, "-"]].concat());
         assert!(message.contains("expected: the name of a file"), "{message}");
+        assert!(!folder.path().join("-").exists());
+    }
+}
+
+#[test]
+fn a_document_that_goes_to_standard_output_is_alone_there_and_the_same_as_in_a_file() {
+    let folder = folder();
+    for (command, argument) in outputs().into_iter().filter(|(_, argument)| *argument == "--json") {
+        let printed = done(folder.path(), &[&command[..], &[argument, "-"]].concat());
+        done(folder.path(), &[&command[..], &[argument, "found.json"]].concat());
+        let written = std::fs::read_to_string(folder.path().join("found.json")).unwrap();
+        assert!(written.starts_with('{') && printed == written, "{command:?}: {printed}");
         assert!(!folder.path().join("-").exists());
     }
 }

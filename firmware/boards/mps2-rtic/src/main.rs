@@ -12,6 +12,9 @@ mod params {
     include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../baked.rs"));
 }
 
+// The task is due once a millisecond: so long is the tick that was baked.
+const _: () = assert!(matches!(params::TICK, model_core::machine::Tick::OneMillisecond));
+
 #[rtic::app(device = mps2_device, peripherals = false, dispatchers = [UART1_RX, UART1_TX])]
 mod app {
     use core::fmt::Write;
