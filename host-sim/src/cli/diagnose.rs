@@ -97,7 +97,7 @@ struct Job {
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let mut job = job(arguments, console)?;
-    let failed = |machine: &Path, cause| CliError::Diagnose { machine: machine.to_owned(), cause };
+    let failed = |machine: &Path, cause| CliError::Diagnose { machine: machine.to_owned(), cause: Box::new(cause) };
     let tick = arguments.tick.map(Into::into);
     let absolute = is_absolute(&job.machine, &job.file, &job.training, tick, console)?;
     if absolute {
@@ -168,7 +168,7 @@ fn is_absolute(
     let bar = console.working("looking at the pressures' zero");
     let absolute = read_absolute(file, recordings, tick);
     bar.finish_and_clear();
-    absolute.map_err(|cause| CliError::Diagnose { machine: machine.to_owned(), cause })
+    absolute.map_err(|cause| CliError::Diagnose { machine: machine.to_owned(), cause: Box::new(cause) })
 }
 
 /// What was noted as the recordings were read, and doubts about their units, unless what they show has another reason: it follows what drives it.
@@ -187,7 +187,8 @@ fn note_recordings(job: &Job, recordings: &[&Recording], console: &Console<'_>) 
         return Ok(());
     }
     let found = follower(&job.file, &base_parameters(&job.file), recordings);
-    let found = found.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause: cause.into() })?;
+    let found =
+        found.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause: Box::new(cause.into()) })?;
     if found.is_none() {
         for doubt in doubts {
             console.note(doubt);
@@ -217,7 +218,7 @@ fn diagnose_then(
     let bar = progress(&job.file, "diagnosing then", console);
     let then = diagnose_with(&job.file, (&job.then, &[]), options, &|_| bar.inc(1));
     bar.finish_and_clear();
-    let then = then.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause })?;
+    let then = then.map_err(|cause| CliError::Diagnose { machine: job.machine.clone(), cause: Box::new(cause) })?;
     console.note(format_args!("then: {}", terminal::sentence(&then)));
     if !then.selection.searched.is_finished() {
         return Err(CliError::ThenUnfinished { machine: job.machine.clone() });

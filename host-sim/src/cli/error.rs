@@ -160,7 +160,7 @@ pub enum CliError {
         /// The machine file.
         machine: PathBuf,
         /// Why.
-        cause: DiagnoseError,
+        cause: Box<DiagnoseError>,
     },
     /// The search of the recordings of then did not come to its end.
     #[error(
@@ -385,13 +385,11 @@ impl CliError {
         }
         match self {
             CliError::MachineFile(error) => shown(error),
-            CliError::Recording(error)
-            | CliError::Statics(StaticsError::Recording(error))
-            | CliError::Compare { cause: CompareError::Recording(error), .. }
-            | CliError::Diagnose { cause: DiagnoseError::Recording(CompareError::Recording(error)), .. } => {
-                shown(error)
-            }
-            other => format!("error: {other}"),
+            CliError::Recording(error) | CliError::Statics(StaticsError::Recording(error)) => shown(error),
+            other => match other.comparison() {
+                Some(CompareError::Recording(error)) => shown(error),
+                _ => format!("error: {other}"),
+            },
         }
     }
 
@@ -443,10 +441,20 @@ impl CliError {
 
     /// Why a simulation was not possible, where this is the error.
     fn simulation(&self) -> Option<&SimulateError> {
+        match (self, self.comparison()) {
+            (CliError::Simulate { cause, .. }, _) | (_, Some(CompareError::Simulate(cause))) => Some(cause),
+            _ => None,
+        }
+    }
+
+    /// Why a recording could not be compared with a model, where this is the error.
+    fn comparison(&self) -> Option<&CompareError> {
         match self {
-            CliError::Simulate { cause, .. }
-            | CliError::Compare { cause: CompareError::Simulate(cause), .. }
-            | CliError::Diagnose { cause: DiagnoseError::Recording(CompareError::Simulate(cause)), .. } => Some(cause),
+            CliError::Compare { cause, .. } => Some(cause),
+            CliError::Diagnose { cause, .. } => match &**cause {
+                DiagnoseError::Recording(cause) => Some(cause),
+                _ => None,
+            },
             _ => None,
         }
     }

@@ -58,7 +58,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let mut file = machine_file::read(&arguments.machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);
-    let failed = |cause: DiagnoseError| CliError::Diagnose { machine: arguments.machine.clone(), cause };
+    let failed =
+        |cause: DiagnoseError| CliError::Diagnose { machine: arguments.machine.clone(), cause: Box::new(cause) };
     let read = input::recordings(&arguments.train, &channels, console)?.into_iter();
     let mut recordings: Vec<Recording> =
         read.map(|recording| input::judged(recording, &file, &arguments.judge)).collect::<Result<_, _>>()?;

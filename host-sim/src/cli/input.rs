@@ -130,7 +130,7 @@ pub(crate) fn doubts<'a>(
     recordings: impl IntoIterator<Item = &'a Recording>,
     as_recorded: bool,
 ) -> Result<Vec<Doubt>, CliError> {
-    let failed = |cause: FitError| CliError::Diagnose { machine: machine.to_owned(), cause: cause.into() };
+    let failed = |cause: FitError| CliError::Diagnose { machine: machine.to_owned(), cause: Box::new(cause.into()) };
     let found = doubts_of(file, &base_parameters(file), &recordings.into_iter().collect::<Vec<_>>()).map_err(failed)?;
     let certain: Vec<String> = found.iter().filter(|doubt| doubt.is_certain).map(doubt).collect();
     if certain.is_empty() || as_recorded {
