@@ -36,6 +36,14 @@ pub enum CliError {
     /// A recording, or the writing of one.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// A recording without a known column, and what its columns may hold, as a block of a machine file.
+    #[error("{cause}")]
+    NothingKnown {
+        /// Why it cannot be read.
+        cause: RecordingError,
+        /// The block.
+        guess: String,
+    },
     /// A static recording.
     #[error(transparent)]
     Statics(#[from] StaticsError),
@@ -381,6 +389,9 @@ impl CliError {
             | CliError::Compare { cause: CompareError::Recording(error), .. }
             | CliError::Diagnose { cause: DiagnoseError::Recording(CompareError::Recording(error)), .. } => {
                 shown(error)
+            }
+            CliError::NothingKnown { cause, guess } => {
+                format!("{}\n\nFor the machine file, once checked:\n\n{}", shown(cause), guess.trim_end())
             }
             other => format!("error: {other}"),
         }
