@@ -40,7 +40,7 @@ pub enum CliError {
     #[error("{cause}")]
     NothingKnown {
         /// Why it cannot be read.
-        cause: RecordingError,
+        cause: Box<RecordingError>,
         /// The block.
         guess: String,
     },
@@ -391,7 +391,7 @@ impl CliError {
                 shown(error)
             }
             CliError::NothingKnown { cause, guess } => {
-                format!("{}\n\nFor the machine file, once checked:\n\n{}", shown(cause), guess.trim_end())
+                format!("{}\n\nFor the machine file, once checked:\n\n{}", shown(cause.as_ref()), guess.trim_end())
             }
             other => format!("error: {other}"),
         }

@@ -82,7 +82,7 @@ fn with_guess(error: CliError, recordings: &[PathBuf]) -> CliError {
     let columns = recordings.iter().find(named).and_then(|path| survey(path).ok());
     // A file in which nothing can be guessed has no header at all.
     match columns.filter(|columns| !guess::channels(columns).is_empty()) {
-        Some(columns) => CliError::NothingKnown { guess: guess::block(&columns), cause },
+        Some(columns) => CliError::NothingKnown { guess: guess::block(&columns), cause: Box::new(cause) },
         None => cause.into(),
     }
 }
