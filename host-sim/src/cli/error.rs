@@ -37,6 +37,14 @@ pub enum CliError {
     /// A recording, or the writing of one.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// A recording without a known column, and what its columns may hold, as a block of a machine file.
+    #[error("{cause}")]
+    NothingKnown {
+        /// Why it cannot be read.
+        cause: Box<RecordingError>,
+        /// The block.
+        guess: String,
+    },
     /// A static recording.
     #[error(transparent)]
     Statics(#[from] StaticsError),
@@ -386,6 +394,9 @@ impl CliError {
         match self {
             CliError::MachineFile(error) => shown(error),
             CliError::Recording(error) | CliError::Statics(StaticsError::Recording(error)) => shown(error),
+            CliError::NothingKnown { cause, guess } => {
+                format!("{}\n\nFor the machine file, once checked:\n\n{}", shown(cause.as_ref()), guess.trim_end())
+            }
             other => match other.comparison() {
                 Some(CompareError::Recording(error)) => shown(error),
                 _ => format!("error: {other}"),

@@ -46,13 +46,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let file = arguments.machine.as_deref().map(machine_file::read).transpose()?;
     let channels = file.as_ref().map(|file| file.channels.clone()).unwrap_or_default().overlaid_with(&maps);
-    let recordings = match input::recordings(&arguments.recordings, &channels, console) {
-        Ok(recordings) => recordings,
-        Err(error) => {
-            guess(&error, &arguments.recordings, console);
-            return Err(error);
-        }
-    };
+    let recordings = input::recordings(&arguments.recordings, &channels, console);
+    let recordings = recordings.map_err(|error| with_guess(error, &arguments.recordings))?;
     let bar = console.progress(recordings.len(), "inspecting");
     let inspected = |recording| {
         let found = Inspection::of(recording, file.as_ref());
@@ -73,17 +68,21 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     Ok(Outcome::Done)
 }
 
-/// Where no header is known: notes what its columns may hold, to be pasted into the machine file.
-fn guess(error: &CliError, recordings: &[PathBuf], console: &Console<'_>) {
-    let CliError::Recording(error) = error else { return };
-    let is_unknown = matches!(
-        error,
-        RecordingError::NoTimeColumn { .. } | RecordingError::NothingKnown { .. } | RecordingError::NoTimes { .. }
-    );
-    let named = |path: &&PathBuf| error.place().file.starts_with(&path.display().to_string());
-    let columns = recordings.iter().find(named).filter(|_| is_unknown).and_then(|path| survey(path).ok());
+/// Where no header is known, the error with what the columns may hold.
+fn with_guess(error: CliError, recordings: &[PathBuf]) -> CliError {
+    let cause = match error {
+        CliError::Recording(
+            cause @ (RecordingError::NoTimeColumn { .. }
+            | RecordingError::NothingKnown { .. }
+            | RecordingError::NoTimes { .. }),
+        ) => cause,
+        other => return other,
+    };
+    let named = |path: &&PathBuf| cause.place().file.starts_with(&path.display().to_string());
+    let columns = recordings.iter().find(named).and_then(|path| survey(path).ok());
     // A file in which nothing can be guessed has no header at all.
-    if let Some(columns) = columns.filter(|columns| !guess::channels(columns).is_empty()) {
-        console.note(format_args!("for the machine file, once checked:\n\n{}", guess::block(&columns)));
+    match columns.filter(|columns| !guess::channels(columns).is_empty()) {
+        Some(columns) => CliError::NothingKnown { guess: guess::block(&columns), cause: Box::new(cause) },
+        None => cause.into(),
     }
 }

@@ -5,7 +5,7 @@ use std::{fmt, io};
 use crate::files::atomic;
 use crate::files::source_error::{Explained, Place, after_number, counted, engineering, quoted};
 use crate::formats::format::Format;
-use crate::formats::mark_fault::MarkFault;
+use crate::formats::mark_fault::{MarkFault, MarkedCell};
 use crate::formats::unsupported::Unsupported;
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};
@@ -58,7 +58,7 @@ pub enum RecordingError {
     /// A cell of a known column is not a number.
     NotANumber { place: Place, header: String, found: String },
     /// The mark in a number does not say, or contradicts, which number it is.
-    Mark { place: Place, header: String, found: String, fault: MarkFault },
+    Mark { place: Place, cell: Box<MarkedCell>, fault: MarkFault },
     /// A time that is not written as those of the rows above.
     NotAStamp { place: Place, header: String, found: String },
     /// A cell of a known column is NaN or infinite, as written or after conversion to SI.
@@ -192,8 +192,8 @@ impl Explained for RecordingError {
             | E::NotAStamp { header, found, .. } => {
                 format!("column {} holds {}", quoted(header), quoted(found))
             }
-            E::Mark { header, found, fault, .. } => {
-                format!("column {} holds {}{}", quoted(header), quoted(found), fault.found(found))
+            E::Mark { cell, fault, .. } => {
+                format!("column {} holds {}{}", quoted(&cell.header), quoted(&cell.text), fault.found(&cell.text))
             }
             E::AngleOutOfReach { found, unit, .. } => {
                 format!("a joint angle of {found} {unit}, which the linkage of the machine file does not reach")

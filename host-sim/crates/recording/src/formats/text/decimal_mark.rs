@@ -64,13 +64,17 @@ impl DecimalMark {
             }
             Err(fault) => fault,
         };
-        let (place, header, found) = (line.cell(self.separator, index), header.to_owned(), text.to_owned());
+        let (place, header, text) = (line.cell(self.separator, index), header.to_owned(), text.to_owned());
+        let cell = |header, text| Box::new(MarkedCell { line: line.number(), header, text });
         Err(match (fault, &self.first) {
-            (Fault::OtherMark, Some(First { cell, .. })) => {
-                RecordingError::Mark { place, header, found, fault: MarkFault::Other(Box::new(cell.clone())) }
+            (Fault::OtherMark, Some(first)) => {
+                let fault = MarkFault::Other(Box::new(first.cell.clone()));
+                RecordingError::Mark { place, cell: cell(header, text), fault }
             }
-            (Fault::Thousands, _) => RecordingError::Mark { place, header, found, fault: MarkFault::Thousands },
-            (Fault::OtherMark | Fault::NotANumber, _) => RecordingError::NotANumber { place, header, found },
+            (Fault::Thousands, _) => {
+                RecordingError::Mark { place, cell: cell(header, text), fault: MarkFault::Thousands }
+            }
+            (Fault::OtherMark | Fault::NotANumber, _) => RecordingError::NotANumber { place, header, found: text },
         })
     }
 
@@ -101,8 +105,8 @@ impl DecimalMark {
     pub(crate) fn check(&self) -> Result<(), RecordingError> {
         match &self.first {
             Some(First { place, cell, .. }) if !self.is_known => {
-                let (header, found) = (cell.header.clone(), cell.text.clone());
-                Err(RecordingError::Mark { place: place.clone(), header, found, fault: MarkFault::Unknown })
+                let (place, cell) = (place.clone(), Box::new(cell.clone()));
+                Err(RecordingError::Mark { place, cell, fault: MarkFault::Unknown })
             }
             _ => Ok(()),
         }
