@@ -11,6 +11,7 @@ pub mod format;
 mod mat;
 #[cfg(feature = "mdf4")]
 mod mdf4;
+pub(crate) mod memory;
 #[cfg(feature = "parquet")]
 mod parquet;
 pub mod read;
