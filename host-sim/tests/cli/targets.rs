@@ -29,9 +29,11 @@ fn outputs() -> Vec<(Vec<&'static str>, &'static str)> {
         (with(&DIAGNOSE, &["--json", "j.json"]), "--plot"),
         (with(&DIAGNOSE, &["--report", "r.html"]), "--json"),
         (with(&COMPARE, &[]), "--plot"),
+        (with(&COMPARE, &["--plot", "p.svg"]), "--json"),
         (with(&SIMULATE, &["--plot", "p.svg"]), "--out"),
         (with(&SIMULATE, &["--out", "o.csv"]), "--plot"),
         (with(&FIT, &[]), "--save-machine"),
+        (with(&FIT, &["--save-machine", "f.toml"]), "--json"),
     ]
 }
 
