@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::root;
 
 /// The libraries, lowest first, with the workspace crates that each may depend on. A library must not use a crate that is not listed for it.
-const ALLOWED: [(&str, &[&str]); 18] = [
+const ALLOWED: [(&str, &[&str]); 19] = [
     ("model-core", &[]),
     ("firmware", &["model-core"]),
     ("drive-c", &["model-core"]),
@@ -28,6 +28,19 @@ const ALLOWED: [(&str, &[&str]); 18] = [
     ("diagnosis", &["model-core", "recording", "machine-file", "simulation", "identification"]),
     ("experiment", &["model-core", "recording", "machine-file", "simulation", "identification", "diagnosis"]),
     ("report", &["model-core", "recording", "machine-file", "simulation", "identification", "diagnosis", "experiment"]),
+    (
+        "host-sim-python",
+        &[
+            "model-core",
+            "recording",
+            "machine-file",
+            "simulation",
+            "identification",
+            "diagnosis",
+            "experiment",
+            "report",
+        ],
+    ),
 ];
 
 /// Dependencies that only the program may have: its command line.

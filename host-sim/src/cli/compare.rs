@@ -21,7 +21,7 @@ use simulation::Arithmetic;
 
 use super::Outcome;
 use super::console::{Console, Tone};
-use super::ending::{DRAWING, check_ending};
+use super::ending::{DOCUMENT, DRAWING, check_ending};
 use super::error::CliError;
 use super::input::{self, MachineArguments};
 use super::target::{check_targets, write};
@@ -47,6 +47,9 @@ pub struct Arguments {
     /// Draw recorded against simulated, with the residual below; for several recordings a file each, named after it
     #[arg(long, value_name = "P.svg")]
     plot: Option<PathBuf>,
+    /// Write every fit for programs
+    #[arg(long, value_name = "C.json")]
+    json: Option<PathBuf>,
     /// Answer 1 when a signal's fit end to end is below the tolerance
     #[arg(long)]
     exit_code: bool,
@@ -68,6 +71,9 @@ struct Job {
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let job = job(arguments, console)?;
     let comparisons = compared(&job, &arguments.machine.machine, console)?;
+    if let Some(path) = &arguments.json {
+        write(path, format!("{:#}\n", report::json::comparison(&job.file, &comparisons)))?;
+    }
     for (path, svg) in job.plots.iter().zip(drawings(&job, &comparisons)) {
         write(path, svg)?;
     }
@@ -119,7 +125,9 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
         .collect::<Result<Vec<_>, _>>()?;
     let plots = arguments.plot.as_ref().map_or_else(Vec::new, |path| plot_paths(path, &recordings));
     let read = [arguments.recording.as_slice(), std::slice::from_ref(&arguments.machine.machine)].concat();
-    check_targets(&plots.iter().map(|path| ("--plot", Some(path.as_path()), DRAWING)).collect::<Vec<_>>(), &read)?;
+    let document = ("--json", arguments.json.as_deref(), DOCUMENT);
+    let drawings = plots.iter().map(|path| ("--plot", Some(path.as_path()), DRAWING));
+    check_targets(&drawings.chain([document]).collect::<Vec<_>>(), &read)?;
     arguments.plot.as_deref().map_or(Ok(()), |path| check_ending("--plot", path, DRAWING))?;
     Ok(Job { file, recordings, tick: arguments.machine.tick(), arithmetic: arguments.machine.arithmetic.into(), plots })
 }

@@ -1,6 +1,5 @@
 //! `host-sim diagnose`: find the misfit, name the missing physics, show how the fit improves.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use diagnosis::agreement::follower;
@@ -8,7 +7,8 @@ use diagnosis::{Diagnosis, Options, Verdict, base_parameters, diagnose_with, rea
 use identification::compare::judged;
 use machine_file::MachineFile;
 use model_core::machine::Tick;
-use recording::{ChannelMap, Column, Format, PressureZero, Recording, Signal};
+use recording::files::folder;
+use recording::{ChannelMap, PressureZero, Recording, Signal};
 use report::evidence::Exhibits;
 use report::{html, json, terminal, wording};
 use simulation::is_driven_by_pressures;
@@ -325,7 +325,7 @@ fn then<'a>(arguments: &Arguments, of_then: &'a [PathBuf]) -> Result<(Option<&'a
 fn check_distinct(training: &[Recording], held_out: &[Recording], then: &[Recording]) -> Result<(), CliError> {
     let all: Vec<&Recording> = training.iter().chain(held_out).chain(then).collect();
     for (index, second) in all.iter().enumerate() {
-        if let Some(at) = all[..index].iter().position(|first| same(first, second)) {
+        if let Some(at) = all[..index].iter().position(|first| first.holds_what(second)) {
             let is_held_out = (training.len()..training.len() + held_out.len()).contains(&index);
             let expected = if at < training.len() && is_held_out {
                 "held-out recordings that are not trained on"
@@ -339,37 +339,15 @@ fn check_distinct(training: &[Recording], held_out: &[Recording], then: &[Record
     Ok(())
 }
 
-/// Whether two recordings hold the same values, whatever their units, headers and formats.
-fn same(first: &Recording, second: &Recording) -> bool {
-    let held = |column: &Column| second.signal(column.signal) == Some(column.values.as_slice());
-    first.columns().len() == second.columns().len() && first.columns().iter().all(held)
-}
-
-/// The recordings of a folder whose names begin with this prefix and end as a format's do, in the order of their names.
+/// The recordings of a folder whose names begin with this prefix, each in one format.
 fn listed(folder: &Path, prefix: &str) -> Result<Vec<PathBuf>, CliError> {
-    let unreadable = |cause: io::Error| CliError::Folder { folder: folder.to_owned(), cause };
-    let mut found = Vec::new();
-    for entry in folder.read_dir().map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        let named = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(prefix));
-        if named && Format::of_extension(&path).is_some() {
-            found.push(path);
-        }
-    }
-    found.sort();
-    // The same recording in two formats would count twice, and the copies may differ in the last digit.
-    for (index, second) in found.iter().enumerate() {
-        if let Some(first) = found[..index].iter().find(|first| stem(first) == stem(second)) {
+    let found =
+        folder::listed(folder, prefix).map_err(|cause| CliError::Folder { folder: folder.to_owned(), cause })?;
+    match folder::in_two_formats(&found) {
+        Some((first, second)) => {
             let (first, second) = (first.display().to_string(), second.display().to_string());
-            return Err(CliError::SameRecording { first, second, expected: "each recording in one format" });
+            Err(CliError::SameRecording { first, second, expected: "each recording in one format" })
         }
+        None => Ok(found),
     }
-    Ok(found)
-}
-
-/// A file's name without the ending of its format, and without that of its packing.
-fn stem(path: &Path) -> PathBuf {
-    let unpacked =
-        if Format::of_extension(path) == Some(Format::Gzip) { path.with_extension("") } else { path.to_owned() };
-    if Format::of_extension(&unpacked).is_some() { unpacked.with_extension("") } else { unpacked }
 }

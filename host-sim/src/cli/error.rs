@@ -480,7 +480,7 @@ impl CliError {
                 atomic::leads_to_standard_output(path) && cause.kind() == io::ErrorKind::BrokenPipe
             }
             CliError::Recording(RecordingError::Write { place, source }) => {
-                atomic::leads_to_standard_output(Path::new(&place.file)) && source.kind() == io::ErrorKind::BrokenPipe
+                atomic::leads_to_standard_output(Path::new(&*place.file)) && source.kind() == io::ErrorKind::BrokenPipe
             }
             _ => false,
         }

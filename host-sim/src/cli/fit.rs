@@ -2,24 +2,16 @@
 
 use std::path::PathBuf;
 
-use diagnosis::agreement::{far_values, has_sensor, not_tolerated, tolerated};
-use diagnosis::localisation::{Miss, misses};
-use diagnosis::{DiagnoseError, base_parameters, read_absolute};
+use diagnosis::localisation::Miss;
+use diagnosis::{DiagnoseError, Refit, Refitting, read_absolute};
 use identification::compare::judged;
-use identification::experiment::{Prepared, share_range_ends};
-use identification::fit::residuals::counts_from;
-use identification::fit::{
-    Counts, Fit, FitError, Free, From, effective_samples, first_search, fit_with_progress, inflation, level_at_rest,
-    most_evaluations, softened_all, staged, with_channel_tolerances,
-};
-use model_core::machine::Machine;
 use recording::{ChannelMap, PressureZero, Recording, Signal};
-use report::{terminal, wording};
+use report::{json, terminal, wording};
 
 use super::console::Console;
-use super::ending::MACHINE;
+use super::ending::{DOCUMENT, MACHINE};
 use super::error::CliError;
-use super::target::check_targets;
+use super::target::{check_apart, check_targets, write};
 use super::{Outcome, input};
 
 /// Arguments of `fit`.
@@ -51,10 +43,17 @@ pub struct Arguments {
     /// Where to write the machine file with fitted values
     #[arg(long, value_name = "F.toml")]
     save_machine: PathBuf,
+    /// Write the fitted values and what is left for programs
+    #[arg(long, value_name = "F.json")]
+    json: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    check_targets(&[("--save-machine", Some(&arguments.save_machine), MACHINE)], &arguments.train)?;
+    let saved = ("--save-machine", Some(arguments.save_machine.as_path()), MACHINE);
+    let document = ("--json", arguments.json.as_deref(), DOCUMENT);
+    check_targets(&[saved], &arguments.train)?;
+    check_targets(&[document], &[arguments.train.as_slice(), std::slice::from_ref(&arguments.machine)].concat())?;
+    check_apart(&[saved, document])?;
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let mut file = machine_file::read(&arguments.machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);
@@ -74,76 +73,52 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     for doubt in input::doubts(&arguments.machine, &file, &recordings, arguments.as_recorded)? {
         console.note(wording::doubt(&doubt));
     }
-    let mut prepared: Vec<Prepared> = Vec::new();
-    for recording in &recordings {
-        let case = Prepared::new(recording, &file.machine, file.load_source, tick);
-        prepared.push(case.map_err(|cause| failed(cause.into()))?);
-    }
-    share_range_ends(&mut prepared.iter_mut().collect::<Vec<_>>());
-    let free = base_parameters(&file);
-    let near = near(&file.machine, &free, &mut prepared).map_err(|cause| failed(cause.into()))?;
-    let cases: Vec<&Prepared> = prepared.iter().collect();
+    let refitting = Refitting::of(&file, &recordings, tick).map_err(failed)?;
     console.detail(format_args!(
         "read: {} recordings, {} rows; {} parameters may move",
-        cases.len(),
-        cases.iter().map(|case| case.rows()).sum::<usize>(),
-        free.len()
+        recordings.len(),
+        refitting.rows(),
+        refitting.parameters()
     ));
     // The number of steps of the search is unknown, but its maximum is known.
-    let rows = |case: &Prepared| case.rows() as u64;
-    let once: u64 = cases.iter().map(|case| rows(case)).sum();
-    let bar = console.at_most(once * most_evaluations(free.len(), cases.len()) as u64, "fitting");
-    let from = From { solution: Some(&near), ..From::default() };
-    let fitted = fit_with_progress(&file.machine, &free, &cases, &from, 1e-8, &|case| bar.inc(rows(case)));
+    let bar = console.at_most(refitting.most_rows() as u64, "fitting");
+    let refit = refitting.search(&|rows| bar.inc(rows as u64));
     bar.finish_and_clear();
-    let fitted = fitted.map_err(|cause| failed(cause.into()))?;
-    file.machine = fitted.machine;
-    file.start_at(level_at_rest(&fitted.machine, &cases, &fitted.starts));
-    file.given.extend(fitted.free.iter().map(|free| free.parameter));
-    file.save(&arguments.save_machine)?;
-    let with_starts = || cases.iter().copied().zip(fitted.starts.iter().copied());
-    let residuals = softened_all(&fitted.machine, with_starts()).map_err(|cause| failed(cause.into()))?;
-    let counts = cases.first().map_or(effective_samples as Counts, |case| counts_from(case.stimulus.input_point));
-    let inflation = inflation(&residuals, counts);
-    let estimates = fitted.estimates(inflation);
-    console.print(terminal::parameters(&not_tolerated(&free, &estimates)))?;
-    let mut within = tolerated(&free, &estimates);
-    within.retain(|one| has_sensor(cases.iter().copied(), one.parameter));
-    if let Some(table) = terminal::tolerances(&file.machine, &within) {
+    let refit = refit.map_err(failed)?;
+    refit.file.save(&arguments.save_machine)?;
+    if let Some(path) = &arguments.json {
+        write(path, format!("{:#}\n", json::refit(&refit)))?;
+    }
+    tell(&refit, console)?;
+    Ok(Outcome::Done)
+}
+
+fn tell(refit: &Refit, console: &mut Console<'_>) -> Result<(), CliError> {
+    let machine = &refit.file.machine;
+    console.print(terminal::parameters(&refit.estimates))?;
+    if let Some(table) = terminal::tolerances(machine, &refit.tolerated) {
         console.print(table)?;
     }
-    for far in wording::far_values(&far_values(&file.machine, &free, &estimates)) {
+    for far in wording::far_values(&refit.far_values) {
         console.print(format_args!("far value: {far}"))?;
     }
-    for used in wording::used_up(&file.machine, &within) {
+    for used in wording::used_up(machine, &refit.tolerated) {
         console.print(format_args!("tolerance: {used}"))?;
     }
-    if let Some(pairs) = terminal::correlated(&fitted.correlations(inflation)) {
+    if let Some(pairs) = terminal::correlated(&refit.correlations) {
         console.print(pairs)?;
     }
-    let left = misses(&fitted.machine, with_starts()).map_err(|cause| failed(cause.into()))?;
-    console.print(format_args!("What is left: {}.", terminal::missed(&left)))?;
-    if left.iter().any(Miss::is_above_noise) {
+    console.print(format_args!("What is left: {}.", terminal::missed(&refit.left)))?;
+    if refit.left.iter().any(Miss::is_above_noise) {
         console.print(
             "This is more than noise, and no parameter that may move can remove it: \
              `host-sim diagnose` looks for what is missing.",
         )?;
     }
-    if !fitted.converged {
-        let moving = fitted
-            .unsettled(inflation)
-            .map_or_else(String::new, |moving| format!(": {}", wording::still_moving(&moving)));
+    if !refit.converged {
+        let moving =
+            refit.unsettled.as_ref().map_or_else(String::new, |moving| format!(": {}", wording::still_moving(moving)));
         console.note(format!("the search did not converge; these are the best values found{moving}"));
     }
-    Ok(Outcome::Done)
-}
-
-/// A first solution, with the tolerance of every channel at its misfit: residuals far beyond it count linearly in all later fits.
-fn near(machine: &Machine<f64>, free: &[Free], prepared: &mut [Prepared]) -> Result<Fit, FitError> {
-    /// The first search ends when the loss falls by less than this share in a step.
-    const SETTLED: f64 = 1e-3;
-    with_channel_tolerances(machine, prepared, |cases| {
-        let is_sparse = cases.iter().any(|case| case.is_sparse());
-        if is_sparse { staged(machine, free, cases, SETTLED) } else { first_search(machine, free, cases, SETTLED) }
-    })
+    Ok(())
 }

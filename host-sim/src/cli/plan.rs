@@ -3,16 +3,14 @@
 use std::path::PathBuf;
 
 use diagnosis::base_parameters;
+use experiment::at_hand::AtHand;
 use experiment::plan::{Planned, plan, steps};
 use experiment::sensor::Sensor;
 use experiment::standard_tests::StandardTest;
-use identification::experiment::Prepared;
-use machine_file::{LoadSource, MachineFile};
-use model_core::machine::Tick;
+use machine_file::MachineFile;
 use recording::excitation::signals::Excitation;
-use recording::{ChannelMap, Recording, Signal};
+use recording::{ChannelMap, Recording};
 use report::plot;
-use simulation::{InputPoint, Stimulus};
 
 use super::console::Console;
 use super::ending::{DOCUMENT, DRAWING, SOURCE, TEXT};
@@ -72,13 +70,6 @@ pub struct Arguments {
     /// Draw the isolability matrix of the excitation that separates most
     #[arg(long, value_name = "P.svg")]
     plot: Option<PathBuf>,
-}
-
-/// The excitation at hand.
-struct AtHand {
-    stimulus: Stimulus,
-    largest_v: f64,
-    sensors: Vec<Sensor>,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
@@ -150,34 +141,18 @@ fn sensors(named: &[String], file: &MachineFile) -> Result<Vec<Sensor>, CliError
 }
 
 fn at_hand(arguments: &Arguments, file: &MachineFile, console: &Console<'_>) -> Result<Option<AtHand>, CliError> {
-    let failed = |cause| CliError::Simulate { machine: arguments.machine.clone(), cause };
+    let failed = |cause| CliError::Compare { machine: arguments.machine.clone(), cause };
     if let Some(path) = &arguments.recording {
         let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
         let recording = input::recording(path, &file.channels.clone().overlaid_with(&maps), console)?;
         for note in input::notes(&recording, &file.machine) {
             console.note(note);
         }
-        let compared = |cause| CliError::Compare { machine: arguments.machine.clone(), cause };
-        let prepared = Prepared::entered_at(InputPoint::Command, &recording, &file.machine, LoadSource::Constant, None)
-            .map_err(compared)?;
-        let sensors = prepared.channels.iter().map(|channel| Sensor { signal: channel.signal, noise: channel.noise });
-        let sensors = sensors.collect();
-        let largest_v = largest(recording.signal(Signal::Command).unwrap_or_default());
-        return Ok(Some(AtHand { stimulus: prepared.stimulus, largest_v, sensors }));
+        return AtHand::of_recording(&recording, file).map(Some).map_err(failed);
     }
     let Some(text) = &arguments.input else { return Ok(None) };
     let signal: Excitation = text.parse()?;
-    let tick = Tick::OneMillisecond;
-    let test = StandardTest::of_input(&signal, text, tick);
-    let largest_v = largest(&test.command_v);
-    let recording = test.recording(&file.machine)?;
-    let stimulus = Stimulus::new(&recording, &file.machine, InputPoint::Command, LoadSource::Constant, tick);
-    Ok(Some(AtHand { stimulus: stimulus.map_err(failed)?, largest_v, sensors: Vec::new() }))
-}
-
-/// Largest command, V.
-fn largest(command_v: &[f64]) -> f64 {
-    command_v.iter().fold(0.0, |largest, volts| largest.max(volts.abs()))
+    AtHand::of_input(&signal, text, file).map(Some).map_err(failed)
 }
 
 /// Time and command, and the load where there is one, as the controller plays them.

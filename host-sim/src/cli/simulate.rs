@@ -7,17 +7,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use experiment::standard_tests::StandardTest;
+use identification::along;
 use identification::compare::judged;
-use identification::experiment::Prepared;
-use identification::fit::settle;
 use machine_file::LoadSource;
-use model_core::machine::{Machine, Parameter, Source, Tick};
-use recording::display_unit::{significant, unit_for_people};
+use model_core::machine::{Machine, Source, Tick};
 use recording::excitation::signals::Excitation;
 use recording::files::atomic::Begun;
-use recording::{Column, Format, Linkage, Recording, Series, Signal};
+use recording::{Format, Linkage, Recording, Series, Signal};
 use report::plot;
-use simulation::sensor_fault::sensor_range;
+use report::wording::{linkage_ends, sensor_ends, starts_anywhere, starts_in_play};
 use simulation::{
     Arithmetic, InChunks, InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, first_input_point, tick_for,
 };
@@ -58,18 +56,6 @@ pub struct Arguments {
     #[arg(long, value_name = "P.svg", requires = "recording")]
     plot: Option<PathBuf>,
 }
-
-/// Every signal that the model computes, in the order in which it is written.
-const SIGNALS: [Signal; 8] = [
-    Signal::Spool,
-    Signal::Position,
-    Signal::Velocity,
-    Signal::PressureA,
-    Signal::PressureB,
-    Signal::Flow,
-    Signal::Force,
-    Signal::Angle,
-];
 
 /// What is simulated, checked.
 struct Job {
@@ -135,15 +121,13 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     let mut ended: Vec<Signal> = Vec::new();
     loop {
         let mut advance = in_chunks.part(&part).map_err(failed)?;
-        let mut notes = within_range(&part.recording, &mut advance.trajectory);
-        notes.extend(add_angle(channels.linkage.as_deref(), part.recording.name(), &mut advance.trajectory));
-        for (signal, note) in notes {
+        for (signal, note) in as_sensed(&part.recording, channels.linkage.as_deref(), &mut advance.trajectory) {
             if !ended.contains(&signal) {
                 bar.aside(|| console.note(note));
                 ended.push(signal);
             }
         }
-        let (replaced, added) = columns(&part.recording, &advance.trajectory);
+        let (replaced, added) = along::columns(&part.recording, &advance.trajectory);
         let text = part.recording.csv_rows(&arguments.out, advance.rows, &replaced, &added)?;
         bar.aside(|| out.write(&text, console))?;
         if let Some(bytes) = read.get().and_then(|mut file: &File| file.stream_position().ok()) {
@@ -200,9 +184,7 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
     bar.finish_and_clear();
     let mut simulated =
         simulated.map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;
-    let mut notes = within_range(&job.recording, &mut simulated);
-    notes.extend(add_angle(job.linkage.as_deref(), job.recording.name(), &mut simulated));
-    for (_, note) in notes {
+    for (_, note) in as_sensed(&job.recording, job.linkage.as_deref(), &mut simulated) {
         console.note(note);
     }
     let drawing = arguments.plot.as_ref().map(|path| {
@@ -211,10 +193,10 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
         (path, plot::svg(job.recording.name(), &job.name, &panels))
     });
     if arguments.recording.is_some() {
-        let (replaced, added) = columns(&job.recording, &simulated);
+        let (replaced, added) = along::columns(&job.recording, &simulated);
         written(&job.recording, &arguments.out, &replaced, &added, console)?;
     } else {
-        written(&response(&job.recording, &simulated)?, &arguments.out, &[], &[], console)?;
+        written(&along::response(&job.recording, &simulated)?, &arguments.out, &[], &[], console)?;
     }
     if let Some((path, svg)) = drawing {
         write(path, svg)?;
@@ -222,8 +204,7 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
     Ok(())
 }
 
-/// Where in the play of its sensor the rod starts, told by a note: no sensor shows it, and what was recorded tells it as soon as the rod has moved
-/// through the play. In the middle without a play, or where nothing is recorded that tells it.
+/// Where in the play of its sensor the rod starts, told by a note.
 fn start_in_play(
     machine: &Machine<f64>,
     recording: &Recording,
@@ -231,81 +212,22 @@ fn start_in_play(
     tick: Tick,
     note: impl FnOnce(String),
 ) -> StartOffset {
-    let half_m = 0.5 * machine.get(Parameter::BacklashPlay);
-    let found = || -> Option<f64> {
-        if half_m <= 0.0 || !recording.has(Signal::Position) {
-            return None;
-        }
-        // A recording that cannot be judged is simulated all the same.
-        let case = Prepared::new(recording, machine, load, Some(tick)).ok()?;
-        let shift_m = settle(machine, &case).ok()?.offset(machine, &case).shift_m.clamp(-half_m, half_m);
-        (shift_m.abs() > case.start_sigma_m).then_some(shift_m)
-    };
-    let Some(shift_m) = found() else { return StartOffset::none() };
-    let (name, size) = (recording.name(), significant(1e3 * shift_m.abs(), 2));
-    let side = if shift_m < 0.0 { "retracted" } else { "extended" };
-    note(format!(
-        "{name}: the rod starts {size} mm on the {side} side of the middle of its play, as the recording tells"
-    ));
+    let Some(shift_m) = along::start_in_play(machine, recording, load, tick) else { return StartOffset::none() };
+    note(starts_in_play(recording, shift_m));
     StartOffset { shift_m, ..StartOffset::none() }
 }
 
-/// A note where the rod starts if its position was not measured.
-fn starts_anywhere(recording: &Recording) -> Option<String> {
-    let unmeasured = !recording.has(Signal::Position);
-    unmeasured.then(|| format!("{}: no position is recorded: the rod starts at mid-stroke", recording.name()))
-}
-
-/// Ends what is simulated where the recorded sensors end, and says so, once for each signal.
-fn within_range(recording: &Recording, simulated: &mut Trajectory) -> Vec<(Signal, String)> {
-    let mut notes = Vec::new();
-    for (signal, values) in &mut simulated.series {
-        let (low, high) = sensor_range(recording, *signal);
-        for value in values.iter_mut() {
-            *value = value.clamp(low, high);
-        }
-        let ends: Vec<String> =
-            [low, high].into_iter().filter(|end| end.is_finite()).map(|end| told(*signal, end)).collect();
-        if !ends.is_empty() {
-            let (name, ends) = (recording.name(), ends.join(" and "));
-            notes.push((
-                *signal,
-                format!("{name}: the sensor of {signal} ends at {ends}, and so does what is simulated of it"),
-            ));
-        }
+/// What is simulated, as the recorded sensors and the joint show it, with a note for each signal that ends somewhere.
+fn as_sensed(recording: &Recording, linkage: Option<&Linkage>, simulated: &mut Trajectory) -> Vec<(Signal, String)> {
+    let ends = along::end_with_sensors(recording, simulated);
+    let mut notes: Vec<(Signal, String)> =
+        ends.iter().map(|(signal, ends)| (*signal, sensor_ends(recording, *signal, ends))).collect();
+    if let Some(linkage) = linkage
+        && along::add_angle(linkage, simulated)
+    {
+        notes.push((Signal::Angle, linkage_ends(recording, linkage)));
     }
     notes
-}
-
-/// Adds the angle of the joint, where the machine file has the linkage; with a note where the rod leaves what that reaches.
-fn add_angle(linkage: Option<&Linkage>, name: &str, simulated: &mut Trajectory) -> Option<(Signal, String)> {
-    let linkage = linkage?;
-    let position_m = simulated.signal(Signal::Position)?;
-    let angle_rad: Vec<f64> = position_m.iter().map(|position| linkage.angle_rad(*position)).collect();
-    let (low, high) = linkage.reach_rad();
-    let is_end = |angle: &f64| *angle <= low || *angle >= high;
-    let ends = angle_rad.iter().any(is_end);
-    simulated.series.push((Signal::Angle, angle_rad));
-    ends.then(|| {
-        let (low, high) = (told(Signal::Angle, low), told(Signal::Angle, high));
-        (Signal::Angle, format!("{name}: the linkage reaches {low} to {high}, and the simulated rod comes to its end: the angle stays there"))
-    })
-}
-
-/// A value of a signal in the unit for people.
-fn told(signal: Signal, value: f64) -> String {
-    let unit = unit_for_people(signal);
-    format!("{} {unit}", significant(unit.from_si(value), 4))
-}
-
-/// The simulated signals in place of the recorded ones, and the additional ones where none was recorded.
-fn columns<'a>(recording: &Recording, simulated: &'a Trajectory) -> (Vec<Series<'a>>, Vec<Series<'a>>) {
-    let computed: Vec<Series<'_>> =
-        SIGNALS.iter().filter_map(|&signal| Some((signal, simulated.signal(signal)?))).collect();
-    let replaces = computed.iter().any(|(signal, _)| *signal != Signal::Angle && recording.has(*signal));
-    let is_added = |signal: Signal| !replaces || (signal == Signal::Angle && !recording.has(signal));
-    let added = computed.iter().copied().filter(|(signal, _)| is_added(*signal)).collect();
-    (computed, added)
 }
 
 /// Writes the signals: to standard output as CSV, where that is asked for.
@@ -351,13 +273,6 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
         tick,
         arithmetic: arguments.machine.arithmetic.into(),
     })
-}
-
-/// The command and every signal that follows from it, in SI units.
-fn response(input: &Recording, simulated: &Trajectory) -> Result<Recording, CliError> {
-    let given = input.columns().iter().filter(|column| column.signal != Signal::Position).cloned();
-    let computed = SIGNALS.iter().filter_map(|&signal| Some(Column::si(signal, simulated.signal(signal)?.to_vec())));
-    Ok(Recording::new("the response", given.chain(computed).collect())?)
 }
 
 fn simulate(job: &Job, start: StartOffset, told: &dyn Fn(usize)) -> Result<Trajectory, SimulateError> {

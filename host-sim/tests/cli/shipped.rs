@@ -27,6 +27,53 @@ fn a_fit_says_what_it_could_not_mend() {
     assert!(printed.contains("What is left: ") && printed.contains("`host-sim diagnose` looks for"), "{printed}");
 }
 
+/// What a command wrote for programs.
+fn written(path: &std::path::Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+#[test]
+fn a_fit_tells_programs_what_it_saves() {
+    let folder = tempfile::tempdir().unwrap();
+    let (machine, train) = (example("machine.toml"), example("train-1.csv"));
+    let fit = ["fit", "--machine", &machine, "--train", &train, "--save-machine", "fitted.toml", "--json", "f.json"];
+    let printed = done(folder.path(), &fit);
+    let told = written(&folder.path().join("f.json"));
+    assert_eq!((&told["schema"], &told["converged"]), (&"host-sim/fit/1".into(), &true.into()));
+    assert_eq!(told["left"]["is_above_noise"], true);
+    assert!(printed.contains(told["left"]["sentence"].as_str().unwrap()), "{printed}");
+    let saved: toml_edit::DocumentMut =
+        std::fs::read_to_string(folder.path().join("fitted.toml")).unwrap().parse().unwrap();
+    let mut found = 0;
+    for parameter in told["parameters"].as_array().unwrap() {
+        let Some((table, key)) = parameter["name"].as_str().unwrap().split_once('.') else { continue };
+        let Some(value) = saved.get(table).and_then(|table| table.get(key)?.as_float()) else { continue };
+        let told = parameter["value"].as_f64().unwrap();
+        assert!((told - value).abs() <= 1e-5 * value.abs(), "{table}.{key}: {told} {value}");
+        found += 1;
+    }
+    assert!(found >= 5, "{told}");
+}
+
+#[test]
+fn a_comparison_tells_programs_the_fits_of_its_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let (machine, train) = (example("machine.toml"), example("train-1.csv"));
+    let compare = ["compare", "--machine", &machine, "--recording", &train, "--json", "c.json"];
+    let printed = done(folder.path(), &compare);
+    let told = written(&folder.path().join("c.json"));
+    assert_eq!(told["schema"], "host-sim/comparison/1");
+    let sections = told["recordings"][0]["sections"].as_array().unwrap();
+    assert!(sections.len() > 2 && sections[0]["section"] == "end to end", "{told}");
+    for signal in sections.iter().flat_map(|section| section["signals"].as_array().unwrap()) {
+        let r_squared = signal["r_squared"].as_f64().unwrap();
+        assert!(printed.contains(&format!("{r_squared:.6}")), "{signal}\n{printed}");
+    }
+    let weakest = &told["weakest"];
+    let named = format!("weakest is {}, {}", weakest["section"].as_str().unwrap(), weakest["signal"].as_str().unwrap());
+    assert!(printed.contains(&named), "{named}\n{printed}");
+}
+
 #[test]
 fn the_documented_command_makes_the_example_again() {
     let folder = tempfile::tempdir().unwrap();

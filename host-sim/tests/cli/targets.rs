@@ -30,9 +30,11 @@ fn outputs() -> Vec<(Vec<&'static str>, &'static str)> {
         (with(&DIAGNOSE, &["--report", "r.html"]), "--json"),
         (vec!["inspect", "train-1.csv"], "--json"),
         (with(&COMPARE, &[]), "--plot"),
+        (with(&COMPARE, &["--plot", "p.svg"]), "--json"),
         (with(&SIMULATE, &["--plot", "p.svg"]), "--out"),
         (with(&SIMULATE, &["--out", "o.csv"]), "--plot"),
         (with(&FIT, &[]), "--save-machine"),
+        (with(&FIT, &["--save-machine", "f.toml"]), "--json"),
     ]
 }
 

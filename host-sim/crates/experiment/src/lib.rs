@@ -7,6 +7,7 @@
 // Results are returned: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
+pub mod at_hand;
 pub mod discriminate;
 pub mod inspect;
 pub mod plan;

@@ -9,6 +9,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::stop;
+
 /// Price of a tick of a simulation, ns, beside others in SIMD lanes.
 const PLAIN_NS: u64 = 75;
 /// The same of a tick with derivatives, without them.
@@ -110,7 +112,9 @@ impl Effort {
         self.spent_ns.load(Ordering::Relaxed)
     }
 
+    /// Every simulation of a search comes by here: it goes no further once it was asked to stop.
     fn add(&self, ns: u64) {
+        stop::here();
         self.spent_ns.fetch_add(ns, Ordering::Relaxed);
     }
 }

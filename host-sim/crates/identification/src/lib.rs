@@ -8,6 +8,7 @@
 // Results are returned: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
+pub mod along;
 pub mod clock;
 pub mod compare;
 pub mod effort;
@@ -17,5 +18,6 @@ pub mod fit;
 pub mod input_noise;
 pub mod parallel;
 pub mod static_curve;
+pub mod stop;
 pub mod visible;
 pub mod yardstick;

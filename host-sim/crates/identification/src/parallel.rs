@@ -6,10 +6,13 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use crate::stop;
+
 /// `of_one` of each item, in the items' order.
 pub fn each<T: Send, R: Send>(items: impl IntoIterator<Item = T>, of_one: impl Fn(T) -> R + Sync) -> Vec<R> {
     let slots: Vec<Slot<T, R>> = items.into_iter().map(|item| Slot(Mutex::new((Some(item), None)))).collect();
     on_all_threads(slots.len(), &|index| {
+        stop::here();
         let slot = &slots[index];
         if let Some(item) = slot.take() {
             let result = of_one(item);

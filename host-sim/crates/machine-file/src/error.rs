@@ -193,6 +193,36 @@ impl Explained for MachineFileError {
             },
         }
     }
+
+    fn key(&self) -> Option<String> {
+        match self {
+            E::UnknownTable { table, .. } => Some(table.clone()),
+            E::UnknownKey { table, key, .. } if table.is_empty() => Some(key.clone()),
+            E::UnknownKey { table, key, .. } => Some(format!("{table}.{key}")),
+            E::MissingTable { table, .. } => Some((*table).to_owned()),
+            E::MissingKey { key, .. } | E::Floor { key, .. } => Some((*key).to_owned()),
+            E::WrongType { key, .. }
+            | E::OutOfRange { key, .. }
+            | E::NotWhole { key, .. }
+            | E::NotPositive { key, .. }
+            | E::TooManyEntries { key, .. }
+            | E::UnknownChoice { key, .. }
+            | E::NoSpan { key, .. } => Some(key.clone()),
+            E::UnknownSignal { found, .. } => Some(format!("channels.{found}")),
+            E::EmptyHeader { signal, .. } => Some(format!("channels.{signal}")),
+            E::TwoLinkages { other, .. } => Some(format!("linkage.{other}")),
+            E::Io { .. }
+            | E::Write { .. }
+            | E::TooLarge { .. }
+            | E::NotUtf8 { .. }
+            | E::Syntax { .. }
+            | E::TwoSources { .. }
+            | E::NoSource { .. }
+            | E::WithoutSource { .. }
+            | E::DirectionalValveWithoutPump { .. }
+            | E::Linkage { .. } => None,
+        }
+    }
 }
 
 /// A length or an angle to a micrometre or a millionth of a radian.

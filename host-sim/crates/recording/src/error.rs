@@ -324,6 +324,26 @@ impl Explained for RecordingError {
             E::LengthMismatch { expected, .. } => format!("{expected}, one for each time"),
         }
     }
+
+    fn key(&self) -> Option<String> {
+        match self {
+            E::MissingUnit { columns, .. } => columns.first().map(|(_, header)| header.clone()),
+            E::UnknownUnit { header, .. }
+            | E::WrongDimension { header, .. }
+            | E::MappedColumnAbsent { header, .. }
+            | E::ColumnAbsent { header, .. }
+            | E::NotANumber { header, .. }
+            | E::NotFinite { header, .. }
+            | E::NoTimes { header, .. }
+            | E::NotNumbers { header, .. }
+            | E::LengthMismatch { header, .. } => Some(header.clone()),
+            E::DuplicateColumn { second, .. } => Some(second.clone()),
+            E::AngleOutOfReach { .. } => Some(Signal::Angle.name().to_owned()),
+            E::TimeBackwards { .. } => Some(Signal::Time.name().to_owned()),
+            E::MissingSignal { signal, .. } | E::ConstantSignal { signal, .. } => Some(signal.name().to_owned()),
+            _ => None,
+        }
+    }
 }
 
 /// What a text without time needs, which has these columns.

@@ -336,6 +336,13 @@ impl Recording {
         self.column(signal).is_some()
     }
 
+    /// Whether another recording holds the same values, whatever their units, headers and formats.
+    #[must_use]
+    pub fn holds_what(&self, other: &Self) -> bool {
+        let held = |column: &Column| other.signal(column.signal) == Some(column.values.as_slice());
+        self.columns.len() == other.columns.len() && self.columns.iter().all(held)
+    }
+
     /// The number of rows, at least two.
     #[must_use]
     pub fn rows(&self) -> usize {

@@ -118,7 +118,7 @@ fn joined(signals: &[Signal], between: &str) -> String {
     signals.iter().map(|signal| signal.name()).collect::<Vec<_>>().join(between)
 }
 
-fn input_point_name(input_point: InputPoint) -> &'static str {
+pub(crate) fn input_point_name(input_point: InputPoint) -> &'static str {
     match input_point {
         InputPoint::Command => "command",
         InputPoint::Spool => "spool",

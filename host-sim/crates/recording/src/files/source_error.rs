@@ -17,11 +17,22 @@ pub struct Spot {
     pub text: String,
 }
 
+/// A part of a file that has no lines.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// What it is called, such as "channel `position`".
+    pub name: String,
+    /// A row of it, from 1.
+    pub row: Option<usize>,
+}
+
 /// A file, and the line and column in it where they are known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The file, as the user named it; where the file has no lines, followed by the part that is meant.
-    pub file: String,
+    /// The file, as the user named it.
+    pub file: Box<str>,
+    /// Where the file has no lines: the part that is meant.
+    pub part: Option<Box<Part>>,
     /// `None` when the error is about the file as a whole, or the file has no lines.
     pub spot: Option<Box<Spot>>,
 }
@@ -30,13 +41,19 @@ impl Place {
     /// The file as a whole.
     #[must_use]
     pub fn file(file: &str) -> Self {
-        Self { file: file.to_owned(), spot: None }
+        Self { file: file.into(), part: None, spot: None }
     }
 
     /// A part of a file that has no lines, such as "channel `position`".
     #[must_use]
     pub fn part(file: &str, part: &str) -> Self {
-        Self { file: format!("{file}, {part}"), spot: None }
+        Self { part: Some(Box::new(Part { name: part.to_owned(), row: None })), ..Self::file(file) }
+    }
+
+    /// A row of a part, from 1.
+    #[must_use]
+    pub fn row_of(file: &str, part: &str, row: usize) -> Self {
+        Self { part: Some(Box::new(Part { name: part.to_owned(), row: Some(row) })), ..Self::file(file) }
     }
 
     /// The bytes `span` of a line.
@@ -49,7 +66,7 @@ impl Place {
         let column = text[..start].chars().count() + 1;
         let width = text[start..end].chars().count().max(1);
         let spot = Spot { line, column, width, text: text.to_owned() };
-        Self { file: file.to_owned(), spot: Some(Box::new(spot)) }
+        Self { spot: Some(Box::new(spot)), ..Self::file(file) }
     }
 
     /// The bytes `span` of a whole text; if a span covers several lines, only the first is marked.
@@ -69,14 +86,23 @@ impl Place {
     pub fn line(&self) -> Option<usize> {
         self.spot.as_ref().map(|spot| spot.line)
     }
+
+    /// The row of a part, from 1, where there is one.
+    #[must_use]
+    pub fn row(&self) -> Option<usize> {
+        self.part.as_ref().and_then(|part| part.row)
+    }
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.spot {
-            None => f.write_str(&self.file),
-            Some(spot) => write!(f, "{}:{}:{}", self.file, spot.line, spot.column),
+        f.write_str(&self.file)?;
+        if let Some(spot) = &self.spot {
+            return write!(f, ":{}:{}", spot.line, spot.column);
         }
+        let Some(part) = &self.part else { return Ok(()) };
+        write!(f, ", {}", part.name)?;
+        part.row.map_or(Ok(()), |row| write!(f, ", row {row}"))
     }
 }
 
@@ -88,6 +114,10 @@ pub trait Explained: std::error::Error {
     fn found(&self) -> String;
     /// What was expected instead, or what to do; a phrase without full stop.
     fn expected(&self) -> String;
+    /// The key or the header of the column that it is about, where it is about one.
+    fn key(&self) -> Option<String> {
+        None
+    }
 }
 
 /// The error as several lines of plain text, in the manner of a compiler's message:
@@ -115,7 +145,7 @@ pub fn render(error: &impl Explained) -> String {
             let end = byte_of_char(&spot.text, spot.column - 1 + spot.width);
             let snippet = Snippet::source(spot.text.as_str())
                 .line_start(spot.line)
-                .path(place.file.as_str())
+                .path(&*place.file)
                 .annotation(AnnotationKind::Primary.span(start..end));
             Renderer::plain().render(&[title.element(snippet).element(note)])
         }
@@ -242,6 +272,7 @@ error: column `position [mm]` holds `abc`
     fn a_part_of_a_file_without_lines_is_named() {
         let text = render(&Example { place: Place::part("run.mf4", "channel `position`") });
         assert!(text.contains("--> run.mf4, channel `position`\n"), "{text}");
+        assert_eq!(Place::row_of("run.mf4", "channel `position`", 3).to_string(), "run.mf4, channel `position`, row 3");
     }
 
     #[test]

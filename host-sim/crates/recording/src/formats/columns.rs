@@ -233,8 +233,7 @@ impl<C: Contents> File<'_, C> {
     }
 
     fn row(&self, index: usize, row: usize) -> Place {
-        let part = format!("{} `{}`, row {}", C::KIND, self.contents.offered()[index].name, row + 1);
-        Place::part(self.name, &part)
+        Place::row_of(self.name, &format!("{} `{}`", C::KIND, self.contents.offered()[index].name), row + 1)
     }
 
     /// Series of one base, row by row.

@@ -14,6 +14,7 @@ pub(crate) mod mark_fault;
 mod mat;
 #[cfg(feature = "mdf4")]
 mod mdf4;
+pub(crate) mod memory;
 #[cfg(feature = "parquet")]
 mod parquet;
 pub mod read;

@@ -51,6 +51,9 @@ impl Recording {
 /// A signal with one SI value for each row.
 pub type Series<'a> = (Signal, &'a [f64]);
 
+/// The header and the values of a column as it is written, in its unit; `None` where a cell is blank.
+pub type WrittenColumn = (String, Vec<Option<f64>>);
+
 /// A table as it is written.
 pub(crate) struct Sheet<'a> {
     recording: &'a Recording,
@@ -94,7 +97,6 @@ impl Written<'_> {
     }
 
     /// The value of each row in the column's unit: bit for bit the number that a text would hold.
-    #[cfg(any(feature = "mat", feature = "parquet"))]
     pub(crate) fn values(&self) -> impl Iterator<Item = Option<f64>> {
         self.recording
             .rows_of_the_file(0..self.recording.rows())

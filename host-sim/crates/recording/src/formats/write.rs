@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::format::Format;
-use super::sheet::{Series, Sheet};
+use super::sheet::{Series, Sheet, WrittenColumn};
 use super::unsupported::Unsupported;
 use crate::error::RecordingError;
 use crate::files::atomic;
@@ -48,6 +48,12 @@ impl Recording {
             .and_then(|()| sheet.write_rows(rows, &mut text))
             .map_err(|source| RecordingError::Write { place: Place::file(&path.display().to_string()), source })?;
         Ok(text)
+    }
+
+    /// The columns of the table that [`Self::write_csv`] writes: each header with its values in the column's unit, bit for bit the numbers of the text.
+    pub fn written(&self, replaced: &[Series<'_>], added: &[Series<'_>]) -> Result<Vec<WrittenColumn>, RecordingError> {
+        let sheet = self.checked(Path::new(&self.path), self.rows(), replaced, added)?;
+        Ok(sheet.columns.iter().map(|column| (column.header.clone(), column.values().collect())).collect())
     }
 
     /// As [`Self::write_csv`], in the format that the extension selects: `.mat` and `.parquet`, in upper or lower case; CSV otherwise.

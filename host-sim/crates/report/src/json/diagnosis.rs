@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use diagnosis::agreement::{Change, Doubt, Tolerated};
+use diagnosis::agreement::{Change, Doubt, FarValue, Tolerated};
 use diagnosis::catalogue::{Hypothesis, short_name};
 use diagnosis::correction_table::{Axis, Unnamed};
 use diagnosis::localisation::error_shape::Shape;
@@ -10,6 +10,8 @@ use diagnosis::localisation::{Habit, Miss};
 use diagnosis::outside::{Cause, Outside, Push};
 use diagnosis::selection::Selection;
 use diagnosis::{Diagnosis, Finding};
+use identification::fit::{Correlation, Estimate, Unsettled};
+use model_core::machine::Machine;
 
 use super::{evidence, structure};
 use crate::evidence::Exhibits;
@@ -52,19 +54,9 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "verdict": diagnosis.verdict,
         "unfinished": unfinished(&diagnosis.selection),
         "plausibility": diagnosis.doubts.iter().map(doubt).collect::<Vec<_>>(),
-        "far_values": diagnosis.far_values().iter().map(|far| {
-            json!({
-                "name": far.parameter.description().key, "nominal": digits(far.nominal, 6), "value": digits(far.value, 6),
-                "sigmas": digits(far.sigmas, 3), "impossible": far.is_impossible, "sentence": wording::far_value(far),
-            })
-        }).collect::<Vec<_>>(),
-        "unsettled": diagnosis.unsettled.as_ref().map(|moving| {
-            json!({
-                "name": moving.parameter.description().key, "value": digits(moving.value, 6), "towards": digits(moving.towards, 6),
-                "sentence": wording::still_moving(moving),
-            })
-        }),
-        "tolerances": diagnosis.tolerances().iter().map(|one| tolerance(diagnosis, one)).collect::<Vec<_>>(),
+        "far_values": diagnosis.far_values().iter().map(far_value).collect::<Vec<_>>(),
+        "unsettled": diagnosis.unsettled.as_ref().map(unsettled),
+        "tolerances": diagnosis.tolerances().iter().map(|one| tolerance(&diagnosis.machine_after, one)).collect::<Vec<_>>(),
         "pressures_taken_as_absolute": exhibits.preprocessing.iter().any(|of| of.taken_as_absolute),
         "located": located,
         "suspected": diagnosis.suspected.map(|effect| effect.name),
@@ -83,23 +75,8 @@ pub fn document(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Value {
         "training_too_narrow": diagnosis.training_is_too_narrow,
         "not_confirmed": names(&diagnosis.not_confirmed),
         "not_testable": names(&diagnosis.not_testable),
-        "parameters": diagnosis.refitted.iter().map(|estimate| {
-            let description = estimate.parameter.description();
-            json!({
-                "name": description.key,
-                "before": digits(estimate.before, 6),
-                "value": digits(estimate.value, 6),
-                "std": digits(estimate.std, 3),
-                "unit": description.unit,
-                "at_bound": estimate.at_bound,
-            })
-        }).collect::<Vec<_>>(),
-        "correlations": diagnosis.correlated.iter().map(|pair| {
-            json!({
-                "parameters": [pair.one.description().key, pair.other.description().key],
-                "coefficient": digits(pair.coefficient, 5),
-            })
-        }).collect::<Vec<_>>(),
+        "parameters": diagnosis.refitted.iter().map(estimate).collect::<Vec<_>>(),
+        "correlations": diagnosis.correlated.iter().map(correlation).collect::<Vec<_>>(),
         "level_at_rest": diagnosis.level_at_rest.map(|level| digits(level, 6)),
         "fit": { "train": fits(false), "holdout": fits(true) },
         "yardstick": structure::yardstick(diagnosis),
@@ -132,7 +109,7 @@ fn names(effects: &[&Hypothesis]) -> Vec<&'static str> {
 }
 
 /// Signals that are missed, and by how much.
-fn still_above_noise(misses: &[Miss]) -> Vec<Value> {
+pub(super) fn still_above_noise(misses: &[Miss]) -> Vec<Value> {
     misses
         .iter()
         .map(|miss| json!({ "signal": miss.signal.name(), "rmse_over_noise": digits(miss.over_noise, 3) }))
@@ -172,9 +149,45 @@ fn outside(outside: &Outside) -> Value {
     told
 }
 
+/// A refitted value far from its nominal value.
+pub(super) fn far_value(far: &FarValue) -> Value {
+    json!({
+        "name": far.parameter.description().key, "nominal": digits(far.nominal, 6), "value": digits(far.value, 6),
+        "sigmas": digits(far.sigmas, 3), "impossible": far.is_impossible, "sentence": wording::far_value(far),
+    })
+}
+
+/// A value that had not come to rest.
+pub(super) fn unsettled(moving: &Unsettled) -> Value {
+    json!({
+        "name": moving.parameter.description().key, "value": digits(moving.value, 6), "towards": digits(moving.towards, 6),
+        "sentence": wording::still_moving(moving),
+    })
+}
+
+/// A fitted value.
+pub(super) fn estimate(estimate: &Estimate) -> Value {
+    let description = estimate.parameter.description();
+    json!({
+        "name": description.key,
+        "before": digits(estimate.before, 6),
+        "value": digits(estimate.value, 6),
+        "std": digits(estimate.std, 3),
+        "unit": description.unit,
+        "at_bound": estimate.at_bound,
+    })
+}
+
+/// A pair of fitted values of which only a combination is well determined.
+pub(super) fn correlation(pair: &Correlation) -> Value {
+    json!({
+        "parameters": [pair.one.description().key, pair.other.description().key],
+        "coefficient": digits(pair.coefficient, 5),
+    })
+}
+
 /// What the fit used of a tolerance; the sentence where it was used up.
-fn tolerance(diagnosis: &Diagnosis, one: &Tolerated) -> Value {
-    let machine = &diagnosis.machine_after;
+pub(super) fn tolerance(machine: &Machine<f64>, one: &Tolerated) -> Value {
     json!({
         "name": one.parameter.description().key,
         "value": digits(one.value, 6),

@@ -1,7 +1,11 @@
-//! A diagnosis and its evidence, for programs.
+//! A diagnosis and its evidence, a comparison and a refit, for programs.
 
+mod comparison;
 pub mod diagnosis;
 mod evidence;
+mod refit;
 mod structure;
 
+pub use comparison::comparison;
 pub use diagnosis::document;
+pub use refit::refit;

@@ -1,0 +1,119 @@
+//! A refit of a drive's base parameters to recordings: from a first search to what the best values still leave. Nothing is added to the model.
+
+use identification::experiment::{Prepared, share_range_ends};
+use identification::fit::residuals::counts_from;
+use identification::fit::{
+    Correlation, Counts, Estimate, Fit, FitError, Free, From, Unsettled, effective_samples, first_search,
+    fit_with_progress, inflation, level_at_rest, most_evaluations, softened_all, staged, with_channel_tolerances,
+};
+use machine_file::MachineFile;
+use model_core::machine::{Machine, Tick};
+use recording::Recording;
+
+use crate::agreement::{FarValue, Tolerated, far_values, has_sensor, not_tolerated, tolerated};
+use crate::base_parameters::base_parameters;
+use crate::diagnose::DiagnoseError;
+use crate::localisation::{Miss, misses};
+
+/// The search ends at this relative precision of the loss.
+const PRECISION: f64 = 1e-8;
+
+/// A refit that has not been searched for yet: its recordings prepared, a first solution near the machine file's values.
+#[derive(Debug)]
+pub struct Refitting {
+    file: MachineFile,
+    prepared: Vec<Prepared>,
+    free: Vec<Free>,
+    near: Fit,
+}
+
+/// A refitted drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refit {
+    /// The machine file with the fitted values.
+    pub file: MachineFile,
+    /// The fitted values that are no tolerances, with their standard deviations.
+    pub estimates: Vec<Estimate>,
+    /// What the fit used of tolerances.
+    pub tolerated: Vec<Tolerated>,
+    /// Values far from their nominal ones.
+    pub far_values: Vec<FarValue>,
+    /// Pairs of fitted values of which only a combination is well determined.
+    pub correlations: Vec<Correlation>,
+    /// What is left of each judged signal's error.
+    pub left: Vec<Miss>,
+    /// Whether the search came to rest.
+    pub converged: bool,
+    /// The value that moved most, where it did not.
+    pub unsettled: Option<Unsettled>,
+}
+
+impl Refitting {
+    /// Prepares the recordings and searches coarsely, from the machine file's values.
+    pub fn of(file: &MachineFile, recordings: &[Recording], tick: Option<Tick>) -> Result<Self, DiagnoseError> {
+        let mut prepared: Vec<Prepared> = Vec::new();
+        for recording in recordings {
+            prepared.push(Prepared::new(recording, &file.machine, file.load_source, tick)?);
+        }
+        share_range_ends(&mut prepared.iter_mut().collect::<Vec<_>>());
+        let free = base_parameters(file);
+        let near = near(&file.machine, &free, &mut prepared)?;
+        Ok(Self { file: file.clone(), prepared, free, near })
+    }
+
+    /// The number of rows of all recordings.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.prepared.iter().map(Prepared::rows).sum()
+    }
+
+    /// The number of parameters that may move.
+    #[must_use]
+    pub fn parameters(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Largest number of rows that the search goes through, each as often as it is evaluated.
+    #[must_use]
+    pub fn most_rows(&self) -> usize {
+        self.rows() * most_evaluations(self.free.len(), self.prepared.len())
+    }
+
+    /// Searches; `told` is given the rows of a recording after each of its evaluations.
+    pub fn search(self, told: &(dyn Fn(usize) + Sync)) -> Result<Refit, DiagnoseError> {
+        let Self { mut file, prepared, free, near } = self;
+        let cases: Vec<&Prepared> = prepared.iter().collect();
+        let from = From { solution: Some(&near), ..From::default() };
+        let fitted = fit_with_progress(&file.machine, &free, &cases, &from, PRECISION, &|case| told(case.rows()))?;
+        file.machine = fitted.machine;
+        file.start_at(level_at_rest(&fitted.machine, &cases, &fitted.starts));
+        file.given.extend(fitted.free.iter().map(|free| free.parameter));
+        let with_starts = || cases.iter().copied().zip(fitted.starts.iter().copied());
+        let residuals = softened_all(&fitted.machine, with_starts())?;
+        let counts = cases.first().map_or(effective_samples as Counts, |case| counts_from(case.stimulus.input_point));
+        let inflation = inflation(&residuals, counts);
+        let estimates = fitted.estimates(inflation);
+        let mut within = tolerated(&free, &estimates);
+        within.retain(|one| has_sensor(cases.iter().copied(), one.parameter));
+        Ok(Refit {
+            estimates: not_tolerated(&free, &estimates),
+            tolerated: within,
+            far_values: far_values(&file.machine, &free, &estimates),
+            correlations: fitted.correlations(inflation),
+            left: misses(&fitted.machine, with_starts())?,
+            converged: fitted.converged,
+            unsettled: fitted.unsettled(inflation),
+            file,
+        })
+    }
+}
+
+/// A first solution, with the tolerance of every channel at its misfit: residuals far beyond it count linearly in all later fits.
+fn near(machine: &Machine<f64>, free: &[Free], prepared: &mut [Prepared]) -> Result<Fit, FitError> {
+    /// The first search ends when the loss falls by less than this share in a step.
+    const SETTLED: f64 = 1e-3;
+    with_channel_tolerances(machine, prepared, |cases| {
+        let is_sparse = cases.iter().any(|case| case.is_sparse());
+        if is_sparse { staged(machine, free, cases, SETTLED) } else { first_search(machine, free, cases, SETTLED) }
+    })
+}

@@ -1,0 +1,136 @@
+"""Every command gives what the program of the same name writes."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import subprocess
+from pathlib import Path
+
+import host_sim
+import pytest
+from conftest import CASE, HOLDOUT, TRAIN
+
+MACHINE = CASE / "machine.toml"
+
+
+def document(path: Path) -> dict:
+    return json.loads(path.read_text())
+
+
+def test_inspect_gives_the_program_s_json(run, tmp_path):
+    run("inspect", *TRAIN[:2], "--machine", MACHINE, "--json", "i.json")
+    found = host_sim.inspect(TRAIN[:2], MACHINE)
+    assert found.to_dict() == document(tmp_path / "i.json")
+    assert [one["recording"] for one in found.recordings] == [path.name for path in TRAIN[:2]]
+
+
+def test_compare_gives_the_program_s_json(run, tmp_path):
+    run("compare", "--machine", MACHINE, "--recording", *TRAIN[:2], "--json", "c.json")
+    found = host_sim.compare(MACHINE, TRAIN[:2])
+    assert found.to_dict() == document(tmp_path / "c.json")
+    signals = {fit.signal for fit in found.fits if fit.section == "end to end"}
+    assert {"position", "pressure_a", "pressure_b"} <= signals
+    assert "<svg" in found._repr_html_()
+
+
+def test_fit_gives_the_program_s_json_and_machine_file(run, tmp_path):
+    run("fit", "--machine", MACHINE, "--train", *TRAIN, "--save-machine", "f.toml", "--json", "f.json")
+    found = host_sim.fit(MACHINE, TRAIN)
+    assert found.to_dict() == document(tmp_path / "f.json")
+    assert found.machine.to_toml() == (tmp_path / "f.toml").read_text()
+    assert found.converged and found.parameters
+    assert found.machine.to_dict() != host_sim.Machine(MACHINE).to_dict()
+
+
+def rows_of(path: Path) -> dict[str, list[float]]:
+    with path.open(newline="") as text:
+        rows = list(csv.reader(text))
+    return {header: [float(row[index]) for row in rows[1:]] for index, header in enumerate(rows[0])}
+
+
+@pytest.mark.parametrize("arithmetic", ["fixed", "float"])
+def test_simulate_gives_the_numbers_of_the_program_s_file(run, tmp_path, arithmetic):
+    run("simulate", "--machine", MACHINE, "--recording", TRAIN[0], "--out", "s.csv", "--arithmetic", arithmetic)
+    found = host_sim.simulate(MACHINE, TRAIN[0], arithmetic=arithmetic)
+    assert found.to_dict() == rows_of(tmp_path / "s.csv")
+    assert list(found["position [m]"]) == found.to_dict()["position [m]"]
+    assert "<svg" in found._repr_html_()
+
+
+def test_simulate_answers_an_input_signal_as_the_program_does(run, tmp_path):
+    run("simulate", "--machine", MACHINE, "--input", "step:4V,0.5s", "--out", "s.csv")
+    assert host_sim.simulate(MACHINE, input="step:4V,0.5s").to_dict() == rows_of(tmp_path / "s.csv")
+
+
+def test_plan_gives_the_program_s_json_and_excitation(run, tmp_path):
+    sensors = ["position:0.05mm"]
+    written = ["--json", "p.json", "--out", "e.csv"]
+    run("plan", "--machine", MACHINE, "--sensors", ",".join(sensors), "--seconds", "5", *written)
+    found = host_sim.plan(MACHINE, sensors, longest_s=5.0)
+    assert found.to_dict() == document(tmp_path / "p.json")
+    assert found.excitation.table().to_dict() == rows_of(tmp_path / "e.csv")
+    assert found.tests and found.claimed
+    assert "<svg" in found._repr_html_()
+
+
+@pytest.fixture(scope="module")
+def diagnosed() -> host_sim.Diagnosis:
+    return host_sim.diagnose(CASE)
+
+
+@pytest.fixture(scope="module")
+def written(program, tmp_path_factory) -> Path:
+    """What the program writes for the shipped case."""
+    folder = tmp_path_factory.mktemp("diagnosis")
+    files = ["--json", "d.json", "--save-machine", "f.toml", "--report", "d.html"]
+    subprocess.run([program, "diagnose", str(CASE), *files], cwd=folder, capture_output=True, check=True)
+    return folder
+
+
+def test_diagnose_gives_the_program_s_json_machine_file_and_page(diagnosed, written):
+    assert diagnosed.to_dict() == document(written / "d.json")
+    assert diagnosed.machine.to_toml() == (written / "f.toml").read_text()
+    assert diagnosed.to_html() == (written / "d.html").read_text()
+
+
+def test_a_diagnosis_is_typed(diagnosed):
+    assert diagnosed.verdict == "missing-physics" and diagnosed.confirmed and diagnosed.is_finished
+    (finding,) = diagnosed.findings
+    assert (finding.effect, finding.subsystem) == ("internal-leakage", "chambers")
+    (leakage,) = finding.parameters
+    assert math.isclose(leakage.value, 2e-12, rel_tol=0.02) and leakage.unit == "m3/s/Pa"
+    assert diagnosed.fit["holdout"]["after"]["position"] > diagnosed.fit["holdout"]["before"]["position"]
+    assert diagnosed.machine.effects == ["internal-leakage"]
+    assert diagnosed.machine["effects.internal-leakage.conductance_m3_per_s_pa"] == pytest.approx(leakage.value, rel=1e-5)
+
+
+def test_what_has_changed_since_is_asked_as_by_the_program(diagnosed, run, tmp_path):
+    diagnosed.machine.save(tmp_path / "then.toml")
+    run("diagnose", "--since", "then.toml", "--train", *TRAIN, "--holdout", *HOLDOUT, "--json", "d.json")
+    found = host_sim.diagnose(tmp_path / "then.toml", TRAIN, HOLDOUT, since=True)
+    assert found.to_dict() == document(tmp_path / "d.json")
+    assert found.verdict == "nothing-missing" and found.findings == []
+
+
+def test_a_diagnosis_shows_its_trajectories(diagnosed):
+    frame = diagnosed.trajectories("holdout-1.csv").to_pandas()
+    recorded = host_sim.read(HOLDOUT[0])["position"]
+    assert (frame["position recorded [m]"].to_numpy() == recorded).all()
+    off = {which: (frame[f"position {which} [m]"] - frame["position recorded [m]"]).std() for which in ("before", "after")}
+    assert off["after"] < 0.5 * off["before"]
+    with pytest.raises(KeyError, match="holdout-1.csv"):
+        diagnosed.trajectories("another.csv")
+
+
+def test_a_diagnosis_is_its_page_in_a_notebook(diagnosed):
+    shown = diagnosed._repr_html_()
+    assert shown.startswith("<iframe srcdoc=") and "&lt;svg" in shown
+
+
+def test_the_number_of_threads_changes_no_digit(diagnosed):
+    two = host_sim.fit(MACHINE, TRAIN[:2], threads=2)
+    assert host_sim.fit(MACHINE, TRAIN[:2], threads=1).to_dict() == two.to_dict()
+    with pytest.raises(host_sim.Error, match="at least 1"):
+        host_sim.inspect(TRAIN[0], threads=0)
