@@ -59,7 +59,7 @@ impl Recording {
     pub fn of_columns(name: &str, columns: Vec<ColumnInMemory<'_>>, map: &ChannelMap) -> Result<Self, RecordingError> {
         let offered = |column: &ColumnInMemory<'_>| {
             let (name, unit) = (column.name.clone(), column.unit.clone());
-            Offered { name, also: Vec::new(), unit, base: 0, clock: false }
+            Offered { name, also: Vec::new(), unit, is_typed: false, base: 0, clock: false }
         };
         let offered = columns.iter().map(offered).collect();
         recording(name, &InMemory { offered, columns }, map)
