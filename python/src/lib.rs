@@ -1,8 +1,8 @@
 //! The native half of the Python package `host_sim`, which nobody imports by itself: `python/host_sim` gives its results types and names.
 //!
-//! A recording or a machine becomes an object ([`recording`], [`machine`]); each function of [`commands`] does what the command of its name does, by
-//! the same crates and in the same order, and returns the JSON that the command writes. All long work runs in a pool of its own without Python's
-//! lock, and ends on Ctrl-C ([`unlocked`]).
+//! A recording or a machine becomes an object (`recording`, `machine`); each function of `commands`, `simulate` and `diagnose` does what the command of
+//! its name does, by the same crates and in the same order, and returns the JSON that the command writes. All long work runs in a pool of its own
+//! without Python's lock, and ends on Ctrl-C (`unlocked`).
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 #![expect(clippy::needless_pass_by_value, reason = "what Python passes is taken as it comes")]
