@@ -12,7 +12,7 @@ use firmware::commissioning::Note;
 use firmware::io::{AnalogIn, AnalogOut, FromFn, PositionIn};
 use firmware::monitor::Miss;
 use firmware::period::{Devices, Place, Timing};
-use firmware::set_point::{Bounds, SetPoint};
+use firmware::set_point::SetPoint;
 use firmware::supervision::{Fault, Log, Mode};
 use host_sim::frames;
 use machine_file::{LoadSource, MachineFile};
@@ -26,8 +26,6 @@ use virtual_plant::{PlantEffect, Sensors};
 /// Spans of the converters, µV per 2¹⁶ counts.
 const INPUT_UV: u32 = 5_120_000;
 const OUTPUT_UV: u32 = 20_000_000;
-/// As on a board.
-const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..press::BOUNDS };
 /// Where the rod stands, m.
 const START_M: f64 = 0.15;
 /// What is typed, and in which period: three times the plan, from three places, each with its record.
@@ -133,7 +131,7 @@ fn records(effects: Vec<PlantEffect>, folder: &Path) -> Vec<Recording> {
     let assembly = Assembly::new(INPUT_UV, OUTPUT_UV).unwrap();
     let station = assembly.over(devices, Place::Known, &mut memory).unwrap();
     let mut typist =
-        Typist { wires, desk: Desk::new(station, BY_HAND), at: 0, told: Told::default(), sent: Vec::new() };
+        Typist { wires, desk: Desk::new(station, press::BY_HAND), at: 0, told: Told::default(), sent: Vec::new() };
     rig.run(&mut typist);
     let stream = frames::stream(&typist.sent).unwrap();
     assert_eq!((stream.losses.missing, stream.losses.refused, stream.recordings.len()), (0, 0, 3));

@@ -64,6 +64,8 @@ const SLEW_V_PER_S: f64 = 2000.0;
 /// Where the rod may be sent, and how fast. At its largest command the press moves out at 70 and in at 45 mm/s; with its values off by what the limits of
 /// deviation allow for, it still reaches these bounds.
 pub const BOUNDS: Bounds = Bounds { from_m: 0.01, to_m: 0.29, velocity_m_per_s: 0.036, acceleration_m_per_s2: 0.5 };
+/// How fast an operator at a keyboard sends the rod within them.
+pub const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
 
 /// What the operator may play, by number: a sine, a sweep, strokes. Each takes the four seconds that the recorder keeps after its trigger.
 pub const EXCITATIONS: [Excitation; 3] = [

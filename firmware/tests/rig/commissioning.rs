@@ -3,12 +3,11 @@
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
-use firmware::app::press::{self, BOUNDS};
+use firmware::app::press::{self, BY_HAND};
 use firmware::app::{Desk, DeskError, wired_read_back};
 use firmware::commissioning::{CommissioningError, Note, Reading, Refusal, Step, Way, What};
 use firmware::monitor::Miss;
 use firmware::period::{Report, Timing};
-use firmware::set_point::Bounds;
 use firmware::supervision::{Fault, Log, Mode};
 use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::machine::{Machine, Parameter as P, Tick};
@@ -16,7 +15,6 @@ use model_core::ports::{ChamberState, Flows, Spool};
 
 use crate::world::{Plant, STROKE_M, Seen, World};
 
-const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
 /// Where the rod stands, as a share of the stroke.
 const START: f64 = 0.4;
 /// Pressures of the supply, Pa.

@@ -1,21 +1,19 @@
 //! Everything that a board does, except its pins: keys move the rod through every part, and the recording comes out.
 
-use firmware::app::press::{self, BOUNDS};
+use firmware::app::press::{self, BY_HAND};
 use firmware::app::{Assembly, Desk, DeskError, OperatorError, ROWS, StationError, Wired, wired};
 use firmware::io::{AnalogIn, AnalogOut, PositionIn};
 use firmware::period::{Answer, Report, Request, Timing, Watchdog};
 use firmware::recorder::frame::FrameReader;
 use firmware::recorder::message::Message;
 use firmware::recorder::{Outbox, Recording};
-use firmware::set_point::{Bounds, SetPoint};
+use firmware::set_point::SetPoint;
 use firmware::supervision::{Command, Fault, Mode};
 use model_core::number::{Number, PerUnit};
 
 use crate::Told;
 use crate::following::plant;
 use crate::world::{STROKE_M, World};
-
-const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
 
 /// Types keys, and runs so many periods.
 fn typed<A: AnalogIn, P: PositionIn, O: AnalogOut>(

@@ -1,6 +1,6 @@
 //! A plan at the keyboard: the reference model is driven by its voltages, and the press does what the model does, with every limit in force.
 
-use firmware::app::press::{self, BOUNDS, PLAN};
+use firmware::app::press::{self, BOUNDS, BY_HAND, PLAN};
 use firmware::app::{Assembly, Desk, DeskError, OperatorError, Ring, wired};
 use firmware::excitation::PlanError;
 use firmware::excitation::plan::{PlayState, fingerprint};
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use crate::Told;
-use crate::excitation::{BY_HAND, Hall};
+use crate::excitation::Hall;
 use crate::following::plant;
 use crate::world::{STROKE_M, World};
 
@@ -172,23 +172,7 @@ fn a_fault_ends_a_plan_and_a_stop_does_by_the_ramp() {
     let mut hall = at_its_start(&press::machine(), &mut memory);
     hall.types("4e").unwrap();
     hall.run(500);
-    // An encoder that turns round meanwhile.
-    hall.world.sense = -1;
-    let periods = (0..1000).find(|_| hall.period().mode != Mode::Following);
-    println!("{periods:?}: {:?}", hall.told.0);
-    assert!(periods.is_some_and(|periods| periods < 400), "{periods:?}");
-    let first = hall.told.0[0];
-    assert!(
-        matches!(first, Fault::VelocityError { .. } | Fault::FollowingError { .. } | Fault::Alarm { .. }),
-        "{first:?}"
-    );
-    hall.world.sense = 1;
-    hall.run(2000);
-    hall.types("150za").unwrap();
-    hall.run(200);
-    hall.types("f").unwrap();
-    let before = hall.run(500).followed.position;
-    assert_eq!(hall.run(3000).followed.position, before, "it stands");
+    hall.loses_its_encoder(400, "150za");
 
     let mut memory = None;
     let mut hall = at_its_start(&press::machine(), &mut memory);

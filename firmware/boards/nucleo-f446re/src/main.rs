@@ -13,10 +13,9 @@ use defmt::Display2Format;
 use defmt_rtt as _;
 use embedded_hal::spi::{MODE_0, MODE_1};
 use embedded_hal_bus::spi::ExclusiveDevice;
-use firmware::app::press::{BOUNDS, TICK_NS, values};
+use firmware::app::press::{BY_HAND, TICK_NS, values};
 use firmware::app::{Desk, Ring, wired_read_back};
 use firmware::period::{Answer, Timing, Watchdog};
-use firmware::set_point::Bounds;
 use firmware::supervision::Defmt;
 use panic_probe as _;
 use stm32f4xx_hal::dwt::DwtExt;
@@ -35,9 +34,6 @@ const WATCHDOG_MS: u32 = 10;
 const START_MS: u32 = 500;
 /// From power to a steady reference of the ADS8688, ms: 15, and some more.
 const POWER_UP_MS: u32 = 20;
-
-/// How fast an operator at a keyboard sends the rod.
-const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
 
 #[entry]
 fn main() -> ! {

@@ -15,10 +15,9 @@ use embedded_hal::digital::{InputPin, OutputPin, PinState};
 use embedded_hal::pwm::SetDutyCycle;
 use embedded_hal::spi::{MODE_0, MODE_1};
 use embedded_hal_bus::spi::{ExclusiveDevice, RefCellDevice};
-use firmware::app::press::{BOUNDS, TICK_NS, values};
+use firmware::app::press::{BY_HAND, TICK_NS, values};
 use firmware::app::{Desk, Ring, wired_read_back};
 use firmware::period::{Answer, Timing, Watchdog};
-use firmware::set_point::Bounds;
 use firmware::supervision::Defmt;
 use nb::Error::WouldBlock;
 use panic_probe as _;
@@ -47,9 +46,6 @@ const POWER_UP_MS: u32 = 20;
 const FILTER_CLOCK_TOP: u16 = 74;
 /// Stands for a character that was lost or damaged; it is not a command.
 const LOST: u8 = 0xff;
-
-/// How fast an operator at a keyboard sends the rod.
-const BY_HAND: Bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..BOUNDS };
 
 /// What the boot ROM starts: an image for the Arm cores.
 #[expect(unsafe_code, reason = "the boot ROM finds the image by the section of this")]

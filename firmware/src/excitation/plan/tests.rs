@@ -17,8 +17,8 @@ const PIECES: &[Piece<'static>] =
 
 fn permitted() -> Permitted {
     let reference: Reference<64> = Reference::at_rest(&press::machine(), Tick::OneMillisecond, 0.5).unwrap();
-    let bounds = Bounds { velocity_m_per_s: 0.03, acceleration_m_per_s2: 0.3, ..press::BOUNDS };
-    Permitted { fingerprint: fingerprint(&press::machine()), bases: *reference.bases(), bounds, most_v: 9.5 }
+    let (bases, bounds) = (*reference.bases(), press::BY_HAND);
+    Permitted { fingerprint: fingerprint(&press::machine()), bases, bounds, most_v: 9.5 }
 }
 
 fn at(plan: &Plan<'_>, position_m: f64) -> Result<(), PlanError> {

@@ -1,14 +1,14 @@
 //! Reading: a file or any other source, in the format that its first bytes show, as a whole or in parts.
 
 use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::path::Path;
 
 use super::chunks::{PART_ROWS, Parts};
-use super::format::{Format, HEAD};
+use super::format::Format;
 #[cfg(any(feature = "mat", feature = "mdf4", feature = "parquet", feature = "xlsx"))]
 use super::source::held;
-use super::source::{open, unreadable};
+use super::source::{open, recognised};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
@@ -79,12 +79,8 @@ pub fn parts_of<'a>(
 }
 
 /// Opens a recording in the format that its first bytes show: of a text only the header is read, any other format is read as a whole.
-fn opened<'a>(name: &str, mut input: Input<'a>, map: &ChannelMap) -> Result<Opened<'a>, RecordingError> {
-    let mut head = Vec::new();
-    (&mut input).take(HEAD as u64).read_to_end(&mut head).map_err(|source| unreadable(name, source))?;
-    let format =
-        Format::of_content(&head).map_err(|what| RecordingError::Unsupported { place: Place::file(name), what })?;
-    let all = Cursor::new(head).chain(input);
+fn opened<'a>(name: &str, input: Input<'a>, map: &ChannelMap) -> Result<Opened<'a>, RecordingError> {
+    let (format, all) = recognised(name, input)?;
     match format {
         Format::Text => Opened::text(name, Box::new(all), map).map_err(|error| of_its_name(name, error)),
         #[cfg(feature = "gzip")]

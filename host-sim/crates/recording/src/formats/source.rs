@@ -1,13 +1,12 @@
 //! Where a recording comes from: a file, or the bytes of any other source.
 
 use std::fs::File;
-use std::io;
-#[cfg(any(feature = "mat", feature = "mdf4", feature = "parquet", feature = "xlsx"))]
-use std::io::Read;
+use std::io::{self, Cursor, Read};
 use std::path::Path;
 
 #[cfg(any(feature = "mat", feature = "mdf4", feature = "parquet", feature = "xlsx"))]
 use super::format::MAX_BINARY_BYTES;
+use super::format::{Format, HEAD};
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 
@@ -22,6 +21,15 @@ pub(crate) fn open(path: &Path) -> Result<(String, File), RecordingError> {
 
 pub(crate) fn unreadable(name: &str, source: io::Error) -> RecordingError {
     RecordingError::Io { place: Place::file(name), source }
+}
+
+/// The format that the first bytes of a file show, and all of the file.
+pub(crate) fn recognised<R: Read>(name: &str, mut file: R) -> Result<(Format, impl Read + use<R>), RecordingError> {
+    let mut head = Vec::new();
+    (&mut file).take(HEAD as u64).read_to_end(&mut head).map_err(|source| unreadable(name, source))?;
+    let format =
+        Format::of_content(&head).map_err(|what| RecordingError::Unsupported { place: Place::file(name), what })?;
+    Ok((format, Cursor::new(head).chain(file)))
 }
 
 /// All bytes of a file that is not text.

@@ -1,10 +1,10 @@
 //! What stands in a file, whether or not its columns are known.
 
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::path::Path;
 
-use super::format::{Format, HEAD};
-use super::source::{open, unreadable};
+use super::format::Format;
+use super::source::{open, recognised};
 use super::surveyed::{MOST_COLUMNS, MOST_ROWS, Surveyed};
 use super::text::clock::is_stamp;
 use super::text::decimal_mark::DecimalMark;
@@ -27,12 +27,8 @@ pub fn survey_from(name: &str, input: impl Read) -> Result<Vec<Surveyed>, Record
     of(name, Box::new(input))
 }
 
-fn of(name: &str, mut input: Input<'_>) -> Result<Vec<Surveyed>, RecordingError> {
-    let mut head = Vec::new();
-    (&mut input).take(HEAD as u64).read_to_end(&mut head).map_err(|source| unreadable(name, source))?;
-    let format =
-        Format::of_content(&head).map_err(|what| RecordingError::Unsupported { place: Place::file(name), what })?;
-    let all = Cursor::new(head).chain(input);
+fn of(name: &str, input: Input<'_>) -> Result<Vec<Surveyed>, RecordingError> {
+    let (format, all) = recognised(name, input)?;
     match format {
         Format::Text => of_text(name, Box::new(all)),
         #[cfg(feature = "gzip")]
@@ -40,7 +36,7 @@ fn of(name: &str, mut input: Input<'_>) -> Result<Vec<Surveyed>, RecordingError>
         #[cfg(feature = "xlsx")]
         Format::Xlsx => {
             let text = super::xlsx::text(name, super::source::held(name, all)?, &crate::ChannelMap::default())?;
-            of_text(name, Box::new(Cursor::new(text)))
+            of_text(name, Box::new(std::io::Cursor::new(text)))
         }
         #[cfg(feature = "mat")]
         Format::Mat => super::mat::survey(name, &super::source::held(name, all)?),
