@@ -24,7 +24,7 @@ use super::console::{Console, Tone};
 use super::ending::{DOCUMENT, DRAWING, check_ending};
 use super::error::CliError;
 use super::input::{self, MachineArguments};
-use super::target::{check_targets, write};
+use super::target::{check_targets, write, write_document};
 
 /// Arguments of `compare`.
 #[derive(Clone, Debug, clap::Args)]
@@ -47,7 +47,7 @@ pub struct Arguments {
     /// Draw recorded against simulated, with the residual below; for several recordings a file each, named after it
     #[arg(long, value_name = "P.svg")]
     plot: Option<PathBuf>,
-    /// Write every fit for programs
+    /// Write every fit for programs; `-` prints it in place of the text
     #[arg(long, value_name = "C.json")]
     json: Option<PathBuf>,
     /// Answer 1 when a signal's fit end to end is below the tolerance
@@ -72,7 +72,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let job = job(arguments, console)?;
     let comparisons = compared(&job, &arguments.machine.machine, console)?;
     if let Some(path) = &arguments.json {
-        write(path, format!("{:#}\n", report::json::comparison(&job.file, &comparisons)))?;
+        write_document(path, &format!("{:#}\n", report::json::comparison(&job.file, &comparisons)), console)?;
     }
     for (path, svg) in job.plots.iter().zip(drawings(&job, &comparisons)) {
         write(path, svg)?;

@@ -11,7 +11,7 @@ use report::{json, terminal, wording};
 use super::console::Console;
 use super::ending::{DOCUMENT, MACHINE};
 use super::error::CliError;
-use super::target::{check_apart, check_targets, write};
+use super::target::{check_apart, check_targets, write_document};
 use super::{Outcome, input};
 
 /// Arguments of `fit`.
@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Where to write the machine file with fitted values
     #[arg(long, value_name = "F.toml")]
     save_machine: PathBuf,
-    /// Write the fitted values and what is left for programs
+    /// Write the fitted values and what is left for programs; `-` prints it in place of the text
     #[arg(long, value_name = "F.json")]
     json: Option<PathBuf>,
 }
@@ -87,7 +87,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let refit = refit.map_err(failed)?;
     refit.file.save(&arguments.save_machine)?;
     if let Some(path) = &arguments.json {
-        write(path, format!("{:#}\n", json::refit(&refit)))?;
+        write_document(path, &format!("{:#}\n", json::refit(&refit)), console)?;
     }
     tell(&refit, console)?;
     Ok(Outcome::Done)
