@@ -28,11 +28,11 @@ stiffly the further; outside of it nothing is accepted. An amount of 0 is no eff
 ";
 
 /// The shipped press, recorded with all the signals that the catalogue's ranges need.
-fn press() -> MachineFile {
+pub(crate) fn press() -> MachineFile {
     machine_file::read(&root().join("presets/press-63-40.toml")).unwrap()
 }
 
-fn scene(file: &MachineFile) -> Scene<'_> {
+pub(crate) fn scene(file: &MachineFile) -> Scene<'_> {
     Scene {
         machine: &file.machine,
         input_point: InputPoint::Command,
@@ -77,6 +77,16 @@ fn example(effect_parameter: &EffectParameter, scene: &Scene<'_>) -> f64 {
     }
 }
 
+/// A strong value for a picture: three quarters of the way, in powers of ten, to the most that is usual.
+pub(crate) fn strong(effect_parameter: &EffectParameter, scene: &Scene<'_>) -> f64 {
+    let (low, high) = effect_parameter.range(scene);
+    match effect_parameter.kind {
+        Kind::Amount(_) => (low * high.powi(3)).powf(0.25),
+        Kind::Signed(_) => 0.75 * high,
+        _ => example(effect_parameter, scene),
+    }
+}
+
 /// Two digits, as TOML and people read them.
 fn short(value: f64) -> String {
     let scientific = format!("{value:.1e}");
@@ -103,13 +113,22 @@ fn effect_parameters(effect: &Hypothesis) -> Vec<EffectParameter> {
 }
 
 /// The effect's table in the machine file: its first form that is visible in these recordings.
-fn table(effect: &Hypothesis, scene: &Scene<'_>) -> String {
+pub(crate) fn table(effect: &Hypothesis, scene: &Scene<'_>) -> String {
+    table_of(effect, scene, example)
+}
+
+/// The same with other values.
+pub(crate) fn table_of(
+    effect: &Hypothesis,
+    scene: &Scene<'_>,
+    of: impl Fn(&EffectParameter, &Scene<'_>) -> f64,
+) -> String {
     let mut text = format!("[effects.{}]\n", effect.name);
     let form = effect.forms_in(scene).next().unwrap_or(effect.forms[0]);
     for effect_parameter in form {
         let key = effect_parameter.parameter.description().key;
         if let Some(name) = key.strip_prefix(&format!("effects.{}.", effect.name)) {
-            let value = short(example(effect_parameter, scene));
+            let value = short(of(effect_parameter, scene));
             let fraction = if value.contains(['.', 'e']) { "" } else { ".0" };
             writeln!(text, "{name} = {value}{fraction}").unwrap();
         }

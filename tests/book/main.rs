@@ -6,8 +6,10 @@ mod circles;
 mod crates;
 mod cycles;
 mod effects;
+mod gallery;
 mod links;
 mod programs;
+mod symptoms;
 mod table;
 
 use std::path::PathBuf;

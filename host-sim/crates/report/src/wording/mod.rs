@@ -1,6 +1,7 @@
 //! What the crates below found, in sentences: they return values, and the words are made here, once for the terminal, JSON and the page.
 //! Each is a clause without full stop.
 
+mod cause;
 mod change;
 mod comparison;
 mod doubt;
@@ -17,6 +18,7 @@ mod tolerance;
 mod unfinished;
 mod unit;
 
+pub use cause::{CAUSES, Cause, cause};
 pub use change::{TRADED, change, doubt_of_then, found, most_changed, other_oil, unchanged};
 pub use comparison::{obstacle, unjudged};
 pub use doubt::doubt;
