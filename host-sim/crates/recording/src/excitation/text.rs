@@ -43,6 +43,14 @@ pub enum ExcitationError {
         /// The item found.
         item: String,
     },
+    /// A number without a unit.
+    #[error("input {name}: \"{item}\" has no unit; expected one behind the number, as in {item}V, {item}s or {item}Hz")]
+    NoUnit {
+        /// The excitation's name.
+        name: &'static str,
+        /// The number found.
+        item: String,
+    },
     /// More items of one unit than the excitation takes.
     #[error("input {name}: {found} values in {unit}; expected at most {most}")]
     TooMany {
@@ -89,7 +97,7 @@ impl ExcitationError {
     pub fn part(&self) -> Option<&str> {
         match self {
             ExcitationError::Name { found } => Some(found),
-            ExcitationError::Item { item, .. } => Some(item),
+            ExcitationError::Item { item, .. } | ExcitationError::NoUnit { item, .. } => Some(item),
             ExcitationError::TooMany { .. } | ExcitationError::Missing { .. } | ExcitationError::Range { .. } => None,
         }
     }
@@ -108,6 +116,9 @@ impl Items {
     fn read(name: &'static str, text: &str) -> Result<Self, ExcitationError> {
         let mut items = Self { name, volts: Vec::new(), seconds: Vec::new(), hertz: Vec::new(), seeds: Vec::new() };
         for item in text.split(',').map(str::trim).filter(|item| !item.is_empty()) {
+            if item.parse::<f64>().is_ok_and(f64::is_finite) {
+                return Err(ExcitationError::NoUnit { name, item: item.to_owned() });
+            }
             let wrong = || ExcitationError::Item { name, item: item.to_owned() };
             if let Some(seed) = item.strip_prefix("seed=") {
                 items.seeds.push(seed.parse().map_err(|_| wrong())?);
@@ -255,7 +266,11 @@ mod tests {
         assert_eq!(message("step"), "input step: the amplitude is missing; expected a value in V");
         assert_eq!(message("step:40V"), "input step: the amplitude is 40 V; expected -10 to 10 V");
         assert_eq!(message("step:4V,1Hz"), "input step: 1 values in Hz; expected at most 0");
-        assert!(message("step:4").contains("\"4\" is not known; expected a number with unit"));
+        assert_eq!(
+            message("step:4"),
+            "input step: \"4\" has no unit; expected one behind the number, as in 4V, 4s or 4Hz"
+        );
+        assert!(message("step:4V,3X").contains("\"3X\" is not known; expected a number with unit"));
         assert!(message("step:NaNV").contains("\"NaNV\""));
         assert!(message("random:10V,0.5s,0.1s").contains("the longest step is 0.1 s; expected 0.5 to 3600 s"));
     }
