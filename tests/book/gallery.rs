@@ -103,10 +103,9 @@ fn shown(values: &[f64]) -> f64 {
 }
 
 /// Of one signal in one test: the window in which the difference changes most.
-fn picture<'a>(pair: &'a Pair, signal: Signal, noise: f64) -> Option<Picture<'a>> {
+fn picture(pair: &Pair, signal: Signal, noise: f64) -> Option<Picture<'_>> {
     let (without, with) = (pair.without.signal(signal)?, pair.with.signal(signal)?);
-    let interval = pair.time_s[1] - pair.time_s[0];
-    let length = ((WINDOW_S / interval) as usize).min(pair.time_s.len());
+    let length = pair.time_s.iter().take_while(|time| **time < WINDOW_S).count();
     let off: Vec<f64> = without.iter().zip(with).map(|(one, other)| other - one).collect();
     // What changes in a window shows more than what is constant there; a pressure below 0 that no floor holds shows nothing that a drive does.
     let tearing = |rows: std::ops::Range<usize>| {

@@ -20,6 +20,7 @@ pub mod init;
 mod input;
 pub mod inspect;
 mod interrupt;
+pub mod man;
 #[cfg(feature = "virtual-plant")]
 pub mod paper;
 pub mod plan;
@@ -97,6 +98,8 @@ pub enum Command {
     Import(import::Arguments),
     /// Print what a shell needs to complete commands and options.
     Completions(completions::Arguments),
+    /// Write manual pages.
+    Man(man::Arguments),
 }
 
 /// How a command ended that did not fail.
@@ -124,6 +127,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Export(arguments) => export::run(arguments, console),
         Command::Import(arguments) => import::run(arguments, console),
         Command::Completions(arguments) => completions::run(arguments, console),
+        Command::Man(arguments) => man::run(arguments, console),
     }
 }
 

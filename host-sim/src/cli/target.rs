@@ -1,6 +1,5 @@
 //! The files that a command will write, checked before it begins: a long run must not end without its result.
 
-#[cfg(feature = "virtual-plant")]
 use std::fs;
 use std::io;
 #[cfg(feature = "virtual-plant")]
@@ -91,7 +90,6 @@ pub(crate) fn write_or_print(path: &Path, text: &str, console: &mut Console<'_>)
 }
 
 /// Checks that files could be written now into this folder, or into one that is made there. Nothing is left there.
-#[cfg(feature = "virtual-plant")]
 pub(crate) fn check_folder(folder: &Path) -> Result<(), CliError> {
     // The empty path means the current directory.
     let is_there = |place: &&Path| place.as_os_str().is_empty() || place.exists();
@@ -100,7 +98,6 @@ pub(crate) fn check_folder(folder: &Path) -> Result<(), CliError> {
 }
 
 /// Makes a folder and those above it, where they are not there.
-#[cfg(feature = "virtual-plant")]
 pub(crate) fn make_folder(folder: &Path) -> Result<(), CliError> {
     fs::create_dir_all(folder).map_err(unwritten(folder))
 }

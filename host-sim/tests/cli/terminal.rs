@@ -111,6 +111,24 @@ fn every_shell_gets_its_completions() {
 }
 
 #[test]
+fn every_command_has_a_manual_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = done(folder.path(), &["man"]);
+    assert!(printed.contains(".TH host-sim 1") && printed.contains("diagnose"), "{printed}");
+    let written = done(folder.path(), &["man", "--out", "man1"]);
+    let help = done(folder.path(), &["--help"]);
+    let commands = help.lines().filter_map(|line| line.strip_prefix("  ")).filter(|line| !line.starts_with([' ', '-']));
+    let commands: Vec<&str> =
+        commands.filter_map(|line| line.split(' ').next()).filter(|name| *name != "help").collect();
+    assert!(commands.contains(&"diagnose") && commands.contains(&"man"), "{commands:?}");
+    for command in commands {
+        let page = std::fs::read_to_string(folder.path().join(format!("man1/host-sim-{command}.1"))).unwrap();
+        assert!(page.contains(".SH OPTIONS") && page.contains("Example"), "{command}: {page}");
+        assert!(written.contains(&format!("host-sim-{command}.1")), "{written}");
+    }
+}
+
+#[test]
 fn what_is_mistyped_is_met_with_the_nearest() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, nearest) in [
