@@ -110,12 +110,12 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     });
     let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
     let input_point = first_input_point(file.machine.source, &part.recording).map_err(failed)?;
-    let tick = arguments.machine.tick().unwrap_or_else(|| tick_for(&part.recording, &file.machine));
+    let tick = arguments.machine.model.tick().unwrap_or_else(|| tick_for(&part.recording, &file.machine));
     let start = start_in_play(&file.machine, &part.recording, file.load_source, tick, |note| {
         bar.aside(|| console.note(note));
     });
     let mut in_chunks =
-        InChunks::new(&file.machine, input_point, file.load_source, tick, arguments.machine.arithmetic.into())
+        InChunks::new(&file.machine, input_point, file.load_source, tick, arguments.machine.model.arithmetic.into())
             .starting(start);
     let mut out = Target::new(&arguments.out)?;
     let mut ended: Vec<Signal> = Vec::new();
@@ -247,7 +247,7 @@ fn written(
 
 fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     let (file, channels) = arguments.machine.read()?;
-    let (machine, asked) = (file.machine, arguments.machine.tick());
+    let (machine, asked) = (file.machine, arguments.machine.model.tick());
     let (recording, load) = if let Some(path) = &arguments.recording {
         (input::recording(path, &channels, console)?, file.load_source)
     } else {
@@ -271,7 +271,7 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
         recording,
         input_point,
         tick,
-        arithmetic: arguments.machine.arithmetic.into(),
+        arithmetic: arguments.machine.model.arithmetic.into(),
     })
 }
 
