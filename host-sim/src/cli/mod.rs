@@ -25,6 +25,7 @@ pub mod paper;
 pub mod plan;
 mod plant;
 pub mod simulate;
+mod simulated;
 pub mod statics;
 mod target;
 #[cfg(feature = "virtual-plant")]

@@ -128,7 +128,9 @@ fn joined(signals: &[Signal], between: &str) -> String {
     signals.iter().map(|signal| signal.name()).collect::<Vec<_>>().join(between)
 }
 
-pub(crate) fn input_point_name(input_point: InputPoint) -> &'static str {
+/// What documents and texts call the place where a model is driven.
+#[must_use]
+pub fn input_point_name(input_point: InputPoint) -> &'static str {
     match input_point {
         InputPoint::Command => "command",
         InputPoint::Spool => "spool",

@@ -11,7 +11,7 @@ use simulation::Trajectory;
 
 use super::budget::Budget;
 use super::chart::in_panels;
-use super::document::{READING, document};
+use super::document::{READING, document, prose};
 use super::evidence::{of_signal, shares};
 use crate::evidence::whiteness::{Whiteness, in_words, of_section};
 use crate::inspect::input_point_name;
@@ -90,7 +90,7 @@ fn headline(all: &[Compared<'_>]) -> Markup {
                 let (part, fit) = (format!("{}, {}", found.section, found.signal), percent(found.nrmse_percent));
                 html! { h1 class=(class) { @if found.follows() { "Every part that could be judged follows; the weakest is " } @else { "The weakest part is " } (part) " at " (fit) " %." } }
             }
-            None => html! { h1 class="unexplained" { "No part could be judged by itself." } },
+            None => html! { h1 { "No part could be judged by itself." } },
         };
     }
     let means: Vec<Vec<(Signal, f64)>> = all.iter().map(|one| mean_fits(one.comparisons)).collect();
@@ -108,7 +108,7 @@ fn headline(all: &[Compared<'_>]) -> Markup {
     let won: Vec<usize> =
         (0..all.len()).map(|index| common.iter().filter(|signal| best(**signal) == index).count()).collect();
     let first = (0..all.len()).max_by_key(|index| (won[*index], usize::MAX - index)).unwrap_or(0);
-    html! { h1 class="unexplained" { (all[first].label) " fits best end to end in " (won[first]) " of " (common.len()) " signals." } }
+    html! { h1 { (all[first].label) " fits best end to end in " (won[first]) " of " (common.len()) " signals." } }
 }
 
 fn gains(all: &[Compared<'_>]) -> Markup {
@@ -139,7 +139,7 @@ fn told(all: &[Compared<'_>]) -> Markup {
         @for one in all {
             div class="fact" {
                 @if all.len() > 1 { p { strong { (one.label) } } }
-                @for sentence in wording::sentences(one.comparisons, one.file.load_source) { p { (sentence) } }
+                @for sentence in wording::sentences(one.comparisons, one.file.load_source) { p { (prose(&sentence)) } }
             }
         }
     }
@@ -170,7 +170,7 @@ fn side_by_side(all: &[Compared<'_>], here: &[Section]) -> Markup {
         section {
             h2 { "Every part" }
             table class="wide" {
-                tr { th { "part" } th class="text" { "driven by" } th class="text" { "signal" }
+                tr { th { "part" } th class="text" { "signal" }
                     @for one in all { th { @if all.len() > 1 { (one.label) ", " } "fit, %" } th { "RMSE" } } }
                 @for section in here {
                     @for (index, signal) in signals(all, *section).into_iter().enumerate() {
@@ -178,8 +178,7 @@ fn side_by_side(all: &[Compared<'_>], here: &[Section]) -> Markup {
                         @let means: Vec<_> = all.iter().map(|one| mean_of(*one, *section, signal)).collect();
                         @let best = means.iter().flatten().map(|(fit, _)| *fit).fold(f64::NEG_INFINITY, f64::max);
                         tr {
-                            td { @if index == 0 { (section) } }
-                            td class="text" { @if index == 0 { @if let Some(driven) = driven { (input_point_name(driven.input_point)) } } }
+                            td { @if index == 0 { (section) @if let Some(driven) = driven { span class="soft" { " from " (input_point_name(driven.input_point)) } } } }
                             td class="text" { (signal) }
                             @for mean in &means {
                                 @match mean {
@@ -226,7 +225,7 @@ fn section_of(all: &[Compared<'_>], section: Section, budget: Budget) -> Markup 
         section {
             h2 { (heading(section)) }
             p { (described(section)) }
-            @for doubt in doubts(all, section) { p class="fact" { (doubt) "." } }
+            @for doubt in doubts(all, section) { p class="fact" { (prose(&doubt)) "." } }
             @for (index, recording) in &drawn {
                 details open[*index == 0 && section == Section::EndToEnd] {
                     summary { (recording.name())

@@ -10,6 +10,11 @@ const POLICY: &str =
 /// How charts are read, on pages where that is the first thing to do.
 pub(crate) const READING: &str = "Drag over a chart to zoom; a double click or a double tap shows all again. With the keyboard: + − arrows, 0 for all. A click on a name switches its trace off.";
 
+/// A sentence with what stands in backticks as code.
+pub(crate) fn prose(text: &str) -> Markup {
+    html! { @for (index, part) in text.split('`').enumerate() { @if index % 2 == 1 { code { (part) } } @else { (part) } } }
+}
+
 /// A page with this title: what stands at its top, and the rest.
 pub(crate) fn document(title: &str, top: &Markup, rest: &Markup) -> String {
     html! {

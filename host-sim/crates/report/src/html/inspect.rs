@@ -8,7 +8,7 @@ use recording::{Recording, Signal, UnknownColumn};
 
 use super::budget::Budget;
 use super::chart::in_panels;
-use super::document::{READING, document};
+use super::document::{READING, document, prose};
 use crate::inspect::{extent, opened, reach, travelled};
 use crate::plot::{Panel, Style, Trace, title};
 use crate::wording;
@@ -36,7 +36,7 @@ pub fn inspect(machine: Option<&str>, all: &[Inspected<'_>]) -> String {
     let panels = all.iter().map(|one| one.found.channels.len() + one.unknown.len()).max().unwrap_or(1);
     let budget = Budget::shared(all.len(), panels.max(1), 0);
     let top = html! {
-        h1 class=(if remarks == 0 { "nothing" } else { "unexplained" }) { (tested(all)) "; " (looked(remarks)) "." }
+        h1 class=(if remarks == 0 { "nothing" } else { "remarks" }) { (tested(all)) "; " (looked(remarks)) "." }
         p class="soft" { (READING) }
     };
     let rest = html! {
@@ -137,8 +137,13 @@ fn facts(found: &Inspection) -> Markup {
         @if let Some(opened) = opened(found) { p { "Excited: " (opened) "." } }
         @if let Some(rod) = travelled(found) { p { "Moved: " (rod) "." } }
         @if let Some(unseen) = &found.unseen { p { "Not to be seen: " (wording::unseen(unseen)) "." } }
-        @for (signal, said) in remarks(found) {
-            p class="fact remark" { @if let Some(signal) = signal { strong { (signal) } ": " } (said) "." }
+        @if remarks(found).next().is_some() {
+            ul class="fact remark" {
+                @for (signal, said) in remarks(found) {
+                    @let named = signal.filter(|signal| !said.starts_with(signal.name()));
+                    li { @if let Some(signal) = named { (signal) ": " } (prose(&said)) @if !said.ends_with('?') { "." } }
+                }
+            }
         }
         @if !found.gaps.is_empty() {
             p class="soft" { "Shaded in every chart: " (found.gaps.len()) @if found.gaps.len() == 1 { " gap" } @else { " gaps" } " in the time stamps." }
@@ -149,7 +154,8 @@ fn facts(found: &Inspection) -> Markup {
 /// A panel for every channel, those that the model does not know last.
 fn panels_of(one: &Inspected<'_>, points: usize) -> Vec<Panel> {
     let known = one.found.channels.iter().filter_map(|channel| known_panel(one, channel));
-    let unknown = one.unknown.iter().filter(|column| !column.values.is_empty()).map(unknown_panel);
+    let drawn = one.unknown.iter().filter(|column| !column.values.is_empty());
+    let unknown = drawn.map(|column| unknown_panel(column, &one.found.gaps));
     known.chain(unknown).map(|panel| Panel { points: Some(points), ..panel }).collect()
 }
 
@@ -177,13 +183,16 @@ fn known_panel(one: &Inspected<'_>, channel: &InspectedColumn) -> Option<Panel> 
     Some(panel)
 }
 
-fn unknown_panel(column: &UnknownColumn) -> Panel {
+fn unknown_panel(column: &UnknownColumn, gaps: &[(f64, f64)]) -> Panel {
     let (name, own) = without_unit(&column.header);
     let unit = column.unit.map_or(own, |unit| unit.symbol());
-    let trace = Trace::new("recorded", column.values.clone(), Style::Channel);
-    Panel::new(name, if unit.is_empty() { "unit unknown" } else { unit }, column.time_s.clone())
+    let (time_s, values) = broken(&column.time_s, &column.values, gaps);
+    let trace = Trace::new("recorded", values, Style::Channel);
+    let mut panel = Panel::new(name, if unit.is_empty() { "unit unknown" } else { unit }, time_s)
         .trace(trace)
-        .note("no known signal: the model does not use it")
+        .note("no known signal: the model does not use it");
+    panel.intervals.extend(gaps);
+    panel
 }
 
 /// A header's name and what stands in its brackets.

@@ -11,7 +11,7 @@ pub(crate) const STYLE: &str = "
 body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 62rem; margin: 0 auto; padding: 1rem 1rem 4rem; }
 header { margin-bottom: 1rem; }
 h1 { font-size: 1.45rem; line-height: 1.3; margin: 0; padding-left: .7rem; border-left: 6px solid #8888; text-wrap: pretty; }
-h1.missing { border-color: #d66000; } h1.nothing { border-color: #2b8a3e; } h1.unexplained { border-color: #b02a37; }
+h1.remarks { border-color: #e0a800; } h1.missing { border-color: #d66000; } h1.nothing { border-color: #2b8a3e; } h1.unexplained { border-color: #b02a37; }
 h2 { font-size: 1.15rem; margin: 2.4rem 0 .4rem; padding-bottom: .2rem; border-bottom: 1px solid var(--line); } h3 { font-size: 1rem; margin: 1.4rem 0 .2rem; }
 p { margin: .4rem 0; } .over { color: var(--faint); margin: 0 0 .2rem; } .soft { color: var(--faint); font-size: .875rem; }
 .gains { list-style: none; display: flex; flex-wrap: wrap; gap: .5rem 2rem; padding: 0; margin: .8rem 0 0; }
@@ -33,7 +33,7 @@ figure svg rect { shape-rendering: crispEdges; } .live.data { overflow-x: visibl
 .wide { font-size: .875rem; } .wide th, .wide td { padding-right: .9rem; } .wide td.text { min-width: 11rem; line-height: 1.3; }
 @media (max-width: 30rem) { .gains { display: grid; grid-template-columns: 1fr 1fr; gap: .5rem .8rem; } .number { font-size: 1rem; } h1 { font-size: 1.25rem; } }
 .fact { padding: .3rem .9rem; background: var(--soft); border-radius: 4px; margin: .6rem 0; }
-.fact.remark { border-left: 4px solid #e0a800; } .links th { padding-right: 1.4rem; white-space: nowrap; } .links tr.alone th { color: #2b8a3e; } .links tr.together th { color: #b26a00; } .links tr.not th { color: #b02a37; }
+ul.fact { padding-left: 1.6rem; } .fact.remark { border-left: 4px solid #e0a800; } .links th { padding-right: 1.4rem; white-space: nowrap; } .links tr.alone th { color: #2b8a3e; } .links tr.together th { color: #b26a00; } .links tr.not th { color: #b02a37; }
 @media (prefers-color-scheme: dark) { .links tr.alone th { color: #69db7c; } .links tr.together th { color: #ffc078; } .links tr.not th { color: #ff8787; } }
 code, pre { font: .875rem/1.45 ui-monospace, monospace; } pre { padding: .7rem .9rem; background: var(--soft); border-radius: 4px; overflow-x: auto; }
 summary { cursor: pointer; padding: .35rem 0; } details { border-bottom: 1px solid var(--line); }

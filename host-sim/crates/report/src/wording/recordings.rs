@@ -107,13 +107,19 @@ pub fn marks(signal: Signal, marks: &[Mark]) -> Vec<String> {
     const TOLD: usize = 3;
     let unit = unit_for_people(signal);
     let read = |si: f64| format!("{} {unit}", significant(unit.from_si(si), 4));
-    let time = |seconds: f64| significant(seconds, 4);
+    let time = |seconds: f64| significant(seconds, 3);
     let of_kind = |kind: MarkKind| marks.iter().filter(move |mark| mark.kind == kind).collect::<Vec<_>>();
     let said = |kind: MarkKind| {
         let here = of_kind(kind);
         let first = here.first()?;
-        let stretches: Vec<String> =
-            here.iter().take(TOLD).map(|mark| format!("{} to {} s", time(mark.from_s), time(mark.to_s))).collect();
+        let stretch = |mark: &&&Mark| {
+            if mark.from_s < mark.to_s {
+                format!("{} to {} s", time(mark.from_s), time(mark.to_s))
+            } else {
+                format!("at {} s", time(mark.from_s))
+            }
+        };
+        let stretches: Vec<String> = here.iter().take(TOLD).map(|mark| stretch(&mark)).collect();
         let more = if here.len() > TOLD { format!(" and {} times more", here.len() - TOLD) } else { String::new() };
         Some(match kind {
             MarkKind::Spike if here.len() == 1 => {
