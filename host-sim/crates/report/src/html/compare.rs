@@ -72,8 +72,8 @@ pub fn compare(all: &[Compared<'_>]) -> String {
         p class="soft" { "Mean NRMSE fit end to end" @if all.len() > 1 { ": " (labels.join(" · ")) } ". 100 % is perfect, 0 % no better than the mean." }
     };
     let rest = html! {
-        (told(all))
         (side_by_side(all, &here))
+        (told(all))
         p class="soft" { (READING) }
         @for section in &here { (section_of(all, *section, budget)) }
         (white(all, &here))
@@ -170,7 +170,7 @@ fn side_by_side(all: &[Compared<'_>], here: &[Section]) -> Markup {
         section {
             h2 { "Every part" }
             table class="wide" {
-                tr { th { "part" } th class="text" { "signal" }
+                tr { th { "part" } th class="left" { "signal" }
                     @for one in all { th { @if all.len() > 1 { (one.label) ", " } "fit, %" } th { "RMSE" } } }
                 @for section in here {
                     @for (index, signal) in signals(all, *section).into_iter().enumerate() {
@@ -179,7 +179,7 @@ fn side_by_side(all: &[Compared<'_>], here: &[Section]) -> Markup {
                         @let best = means.iter().flatten().map(|(fit, _)| *fit).fold(f64::NEG_INFINITY, f64::max);
                         tr {
                             td { @if index == 0 { (section) @if let Some(driven) = driven { span class="soft" { " from " (input_point_name(driven.input_point)) } } } }
-                            td class="text" { (signal) }
+                            td class="left" { (signal) }
                             @for mean in &means {
                                 @match mean {
                                     Some((fit, rmse)) => {
@@ -307,12 +307,12 @@ fn white(all: &[Compared<'_>], here: &[Section]) -> Markup {
     html! {
         section {
             h2 { "Are the residuals white?" }
-            p { "The residual of a good model is correlated neither with its own past nor with the command. Share of lags outside the 99 % band; a white residual has about 1 %. A model that was not fitted has larger residuals than its parameters need: `fit` first, where the shares are high." }
+            p { "The residual of a good model is correlated neither with its own past nor with the command. Share of lags outside the 99 % band; a white residual has about 1 %. Where the shares are high, fit the model first: " code { "host-sim fit" } "." }
             table class="wide" {
-                tr { th { "part" } th class="text" { "signal" } @for one in all { th { @if all.len() > 1 { (one.label) ", " } "with itself" } th { "with the command" } } }
+                tr { th { "part" } th class="left" { "signal" } @for one in all { th { @if all.len() > 1 { (one.label) ", " } "with itself" } th { "with the command" } } }
                 @for (section, of) in &found {
                     @for (index, signal) in signals(all, *section).into_iter().enumerate() {
-                        tr { td { @if index == 0 { (section) } } td class="text" { (signal) }
+                        tr { td { @if index == 0 { (section) } } td class="left" { (signal) }
                             @for one in of { @match one.iter().find(|known| known.signal == signal) {
                                 Some(known) => (shares(known)),
                                 None => { td { "–" } td { "–" } }
@@ -320,12 +320,12 @@ fn white(all: &[Compared<'_>], here: &[Section]) -> Markup {
                     }
                 }
             }
-            @for (section, of) in &found { @for (one, known) in all.iter().zip(of) {
-                @if let Some(told) = in_words(known) { p class="soft" { (section) @if all.len() > 1 { ", " (one.label) } ": " (told) "." } }
-            } }
             @for (section, of) in &found {
                 details {
                     summary { "Correlations: " (section) }
+                    @for (one, known) in all.iter().zip(of) {
+                        @if let Some(told) = in_words(known) { p class="soft" { @if all.len() > 1 { (one.label) ": " } (told) "." } }
+                    }
                     div class="pair" { @for signal in signals(all, *section) { (correlations(all, of, signal)) } }
                 }
             }
