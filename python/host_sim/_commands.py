@@ -101,6 +101,7 @@ def fit(
     machine: Drive,
     train: Recordings,
     *,
+    holdout: Recordings = (),
     judge: Sequence[str] = (),
     tick_ms: float | None = None,
     map: Mapping[str, str] | None = None,
@@ -115,6 +116,7 @@ def fit(
     Args:
         machine: the drive, or its machine file.
         train: the recordings to fit to.
+        holdout: recordings that take no part in the fit, to judge it by.
         judge: judge by these signals only.
         tick_ms: step of the model in ms: 0.5, 1 or 2.
         map: which column holds a signal.
@@ -122,8 +124,8 @@ def fit(
         threads: how many threads compute; the result does not depend on it.
     """
     drive = _machine(machine)
-    given = read_all(train, map, drive)
-    return Fit(_native.fit(drive._inner, given, list(judge), tick_ms, as_recorded, threads))
+    given, held_out = read_all(train, map, drive), read_all(holdout, map, drive)
+    return Fit(_native.fit(drive._inner, given, held_out, list(judge), tick_ms, as_recorded, threads))
 
 
 def diagnose(

@@ -32,7 +32,11 @@ class Machine:
     source: str
     effects: list[str]
     @staticmethod
-    def read(path: Path) -> Machine: ...
+    @final
+class Page:
+    def html(self) -> str: ...
+
+def read(path: Path) -> Machine: ...
     @staticmethod
     def from_toml(text: str, name: str) -> Machine: ...
     @staticmethod
@@ -82,7 +86,7 @@ def from_columns(
 ) -> Recording: ...
 def inspect(
     recordings: Sequence[Recording], machine: Machine | None, threads: int | None
-) -> tuple[str, str]: ...
+) -> tuple[str, str, Page]: ...
 def simulate(
     machine: Machine,
     recording: Recording | None,
@@ -98,15 +102,16 @@ def compare(
     number: str,
     tick_ms: float | None,
     threads: int | None,
-) -> tuple[str, list[str], list[str], list[Table]]: ...
+) -> tuple[str, list[str], list[str], list[Table], Page]: ...
 def fit(
     machine: Machine,
     train: Sequence[Recording],
+    holdout: Sequence[Recording],
     judge: Sequence[str],
     tick_ms: float | None,
     as_recorded: bool,
     threads: int | None,
-) -> tuple[str, Machine, list[str], str]: ...
+) -> tuple[str, Machine, list[str], str, Page]: ...
 def diagnose(
     machine: Machine,
     train: Sequence[Recording],

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import html
 import json
+import os
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Optional
 
 from ._machine import Machine
@@ -134,6 +136,23 @@ class _Result:
         return self._json
 
 
+class _Paged(_Result):
+    """A result with the page that the program writes for it."""
+
+    def to_html(self) -> str:
+        """The report's page: self-contained, it loads nothing."""
+        raise NotImplementedError
+
+    def save_report(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page: what the program writes with ``--report``."""
+        Path(path).write_text(self.to_html(), encoding="utf-8")
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.to_html(), quote=True)
+        title = type(self).__name__
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 50em; border: 0" title="{title}"></iframe>'
+
+
 def _drawings(*svg: str) -> str:
     return "".join(f'<div style="max-width: 60em; background: white">{one}</div>' for one in svg)
 
@@ -142,7 +161,7 @@ def _text(text: str) -> str:
     return f"<pre>{html.escape(text)}</pre>"
 
 
-class Diagnosis(_Result):
+class Diagnosis(_Paged):
     """What a model lacks: where, which physics, and how much better it follows with it.
 
     In a notebook it is the report's page with its charts, in a frame of its own.
@@ -228,16 +247,12 @@ class Diagnosis(_Result):
     def __repr__(self) -> str:
         return f"Diagnosis({self.verdict}, findings={[finding.effect for finding in self.findings]})"
 
-    def _repr_html_(self) -> str:
-        page = html.escape(self.to_html(), quote=True)
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 50em; border: 0" title="Diagnosis"></iframe>'
 
+class Comparison(_Paged):
+    """The fit of every measured signal, end to end and link by link. In a notebook it is its page."""
 
-class Comparison(_Result):
-    """The fit of every measured signal, end to end and link by link."""
-
-    def __init__(self, native: tuple[str, list[str], list[str], list[_native.Table]]) -> None:
-        text, self.notes, self._svg, self._tables = native
+    def __init__(self, native: tuple[str, list[str], list[str], list[_native.Table], _native.Page]) -> None:
+        text, self.notes, self._svg, self._tables, self._page = native
         super().__init__(text)
 
     @property
@@ -256,6 +271,11 @@ class Comparison(_Result):
         weakest: Optional[dict[str, Any]] = self._told["weakest"]
         return weakest
 
+    @property
+    def drawings(self) -> list[str]:
+        """A drawing of each recording as SVG: every signal recorded and simulated end to end."""
+        return self._svg
+
     def trajectories(self, recording: int = 0) -> Table:
         """A recording simulated end to end, in its own columns and units, as ``simulate`` writes it in double precision."""
         return Table(self._tables[recording])
@@ -273,15 +293,16 @@ class Comparison(_Result):
         told = f"weakest: {weakest['section']}, {weakest['signal']} at {weakest['nrmse_percent']} %" if weakest else ""
         return f"Comparison({len(self._told['recordings'])} recordings; {told})"
 
-    def _repr_html_(self) -> str:
-        return _drawings(*self._svg)
+    def to_html(self) -> str:
+        """The report's page: self-contained, it loads nothing."""
+        return self._page.html()
 
 
-class Fit(_Result):
-    """A refit of the base parameters."""
+class Fit(_Paged):
+    """A refit of the base parameters. In a notebook it is its page."""
 
-    def __init__(self, native: tuple[str, _native.Machine, list[str], str]) -> None:
-        text, machine, self.notes, self._table = native
+    def __init__(self, native: tuple[str, _native.Machine, list[str], str, _native.Page]) -> None:
+        text, machine, self.notes, self._table, self._page = native
         super().__init__(text)
         self.machine = Machine._of(machine)
         """The machine with the fitted values: what ``--save-machine`` writes."""
@@ -308,8 +329,9 @@ class Fit(_Result):
     def __repr__(self) -> str:
         return f"Fit({len(self.parameters)} parameters, converged={self.converged})"
 
-    def _repr_html_(self) -> str:
-        return _text(str(self))
+    def to_html(self) -> str:
+        """The report's page: self-contained, it loads nothing."""
+        return self._page.html()
 
 
 class Simulation:
@@ -356,11 +378,11 @@ class Simulation:
         return _drawings(self._inner.drawing) if self._inner.drawing else _text(repr(self))
 
 
-class Inspection(_Result):
-    """What recordings hold, which links of a drive they can test, and what is missing to test the others."""
+class Inspection(_Paged):
+    """What recordings hold, which links of a drive they can test, and what is missing to test the others. In a notebook it is its page."""
 
-    def __init__(self, native: tuple[str, str]) -> None:
-        text, self._said = native
+    def __init__(self, native: tuple[str, str, _native.Page]) -> None:
+        text, self._said, self._page = native
         super().__init__(text)
 
     @property
@@ -375,8 +397,9 @@ class Inspection(_Result):
     def __repr__(self) -> str:
         return f"Inspection({len(self.recordings)} recordings)"
 
-    def _repr_html_(self) -> str:
-        return _text(self._said)
+    def to_html(self) -> str:
+        """The report's page: self-contained, it loads nothing."""
+        return self._page.html()
 
 
 class Plan(_Result):

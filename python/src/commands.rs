@@ -20,9 +20,10 @@ use pyo3::prelude::*;
 use report::{json, plot, terminal};
 use simulation::Arithmetic;
 
-use crate::diagnose::{check_doubts, notes};
+use crate::diagnose::{check_distinct, check_doubts, notes};
 use crate::error::{OrRaise, Refused};
 use crate::machine::Machine;
+use crate::page::{Of, Page};
 use crate::recording::{Recording, held};
 use crate::table::Table;
 use crate::unlocked::unlocked;
@@ -57,25 +58,27 @@ pub(crate) fn judged_of(recordings: &[Arc<Held>], machine: &Machine, names: &[St
     recordings.iter().map(limited).collect()
 }
 
-/// What recordings hold, as JSON and as the command's text.
+/// What recordings hold, as JSON and as the command's text, and their page.
 #[pyfunction]
 pub(crate) fn inspect(
     py: Python<'_>,
     recordings: Vec<Py<Recording>>,
     machine: Option<Py<Machine>>,
     threads: Option<usize>,
-) -> PyResult<(String, String)> {
+) -> PyResult<(String, String, Page)> {
     let recordings = held(&recordings);
     let file = machine.as_ref().map(|machine| &machine.get().file);
     unlocked(py, threads, || {
         let found: Vec<Inspection> = parallel::each(&recordings, |recording| Inspection::of(recording, file));
         let texts: Vec<String> = found.iter().map(|found| report::inspect::text(found, None)).collect();
-        Ok((report::inspect::document(&found).to_string(), texts.join("\n")))
+        let document = report::inspect::document(&found).to_string();
+        let page = Page { of: Of::Inspection(file.map(|file| file.name.clone()), recordings.clone(), found) };
+        Ok((document, texts.join("\n"), page))
     })
 }
 
-/// What `compare` gives: JSON, notes, a drawing of each recording, and its table, simulated end to end.
-type Compared = (String, Vec<String>, Vec<String>, Vec<Table>);
+/// What `compare` gives: JSON, notes, a drawing of each recording, and its table, simulated end to end; and the page.
+type Compared = (String, Vec<String>, Vec<String>, Vec<Table>, Page);
 
 /// The fit of every measured signal.
 #[pyfunction]
@@ -112,31 +115,41 @@ pub(crate) fn compare(
             tables.push(Table::of(recording.written(&replaced, &added)?));
         }
         let notes = notes(&recordings.iter().collect::<Vec<_>>(), &file.machine);
-        Ok((json::comparison(file, &found).to_string(), notes, drawings, tables))
+        let document = json::comparison(file, &found).to_string();
+        let page = Page { of: Of::Comparison(file.clone(), recordings, found) };
+        Ok((document, notes, drawings, tables, page))
     })
 }
 
-/// A refit of the base parameters: JSON, the machine with the fitted values, notes, and the command's table.
+/// What `fit` gives: JSON, the machine with the fitted values, notes, the command's table, and the page.
+type Fitted = (String, Machine, Vec<String>, String, Page);
+
+/// A refit of the base parameters.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "those of the command")]
 pub(crate) fn fit(
     py: Python<'_>,
     machine: Py<Machine>,
     train: Vec<Py<Recording>>,
+    holdout: Vec<Py<Recording>>,
     judge: Vec<String>,
     tick_ms: Option<f64>,
     as_recorded: bool,
     threads: Option<usize>,
-) -> PyResult<(String, Machine, Vec<String>, String)> {
-    let (machine, recordings) = (machine.get(), held(&train));
+) -> PyResult<Fitted> {
+    let (machine, training) = (machine.get(), held(&train));
+    let recordings = [training.clone(), held(&holdout)].concat();
     let tick = tick(tick_ms).or_raise(py)?;
     unlocked(py, threads, || {
-        if recordings.is_empty() {
+        if training.is_empty() {
             return Err(Refused::argument("train", "no recording; expected at least one"));
         }
         let mut recordings = judged_of(&recordings, machine, &judge)?;
         let mut file: MachineFile = machine.file.clone();
         let failed = |cause| Refused::diagnose(&machine.path, cause);
-        if read_absolute(&file, &recordings, tick).map_err(failed)? {
+        let trained = training.len();
+        check_distinct(&recordings[..trained], &recordings[trained..])?;
+        if read_absolute(&file, &recordings[..trained], tick).map_err(failed)? {
             recordings.iter_mut().for_each(Held::take_as_absolute);
             file.channels.pressure = PressureZero::Absolute;
         }
@@ -144,10 +157,14 @@ pub(crate) fn fit(
         let mut notes = notes(&all, &file.machine);
         let doubts = check_doubts(machine, &file, &all, as_recorded)?;
         notes.extend(doubts.iter().map(report::wording::doubt));
-        let refitting = Refitting::of(&file, &recordings, tick).map_err(failed)?;
+        let (training, held_out) = recordings.split_at(trained);
+        let refitting = Refitting::of(&file, training, tick).map_err(failed)?;
+        let refitting = refitting.with_held_out(held_out, tick).map_err(failed)?;
         let refit = refitting.search(&|_| stop::here()).map_err(failed)?;
         let table = terminal::parameters(&refit.estimates).to_string();
-        Ok((json::refit(&refit).to_string(), machine.with(refit.file), notes, table))
+        let (document, after) = (json::refit(&refit).to_string(), machine.with(refit.file.clone()));
+        let page = Page { of: Of::Fit(refit, recordings) };
+        Ok((document, after, notes, table, page))
     })
 }
 

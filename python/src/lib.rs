@@ -12,6 +12,7 @@ mod diagnose;
 mod error;
 mod in_memory;
 mod machine;
+mod page;
 mod recording;
 mod simulate;
 mod table;
@@ -36,6 +37,8 @@ mod _native {
     use crate::in_memory::{from_arrow, from_columns};
     #[pymodule_export]
     use crate::machine::Machine;
+    #[pymodule_export]
+    use crate::page::Page;
     #[pymodule_export]
     use crate::recording::{Recording, listed, read};
     #[pymodule_export]

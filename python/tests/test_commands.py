@@ -32,7 +32,22 @@ def test_compare_gives_the_program_s_json(run, tmp_path):
     assert found.to_dict() == document(tmp_path / "c.json")
     signals = {fit.signal for fit in found.fits if fit.section == "end to end"}
     assert {"position", "pressure_a", "pressure_b"} <= signals
-    assert "<svg" in found._repr_html_()
+    assert len(found.drawings) == 2 and "<svg" in found.drawings[0]
+
+
+def test_a_page_is_the_program_s_and_is_saved_and_shown_in_a_notebook(run, tmp_path):
+    run("inspect", TRAIN[0], "--machine", MACHINE, "--report", "i.html")
+    run("compare", TRAIN[0], "--machine", MACHINE, "--report", "c.html")
+    run("fit", TRAIN[0], "--machine", MACHINE, "--holdout", HOLDOUT[0], "--report", "f.html")
+    results = {
+        "i.html": host_sim.inspect(TRAIN[0], MACHINE),
+        "c.html": host_sim.compare(MACHINE, TRAIN[0]),
+        "f.html": host_sim.fit(MACHINE, TRAIN[0], holdout=HOLDOUT[0]),
+    }
+    for name, found in results.items():
+        found.save_report(tmp_path / "saved.html")
+        assert (tmp_path / "saved.html").read_text(encoding="utf-8") == (tmp_path / name).read_text(encoding="utf-8")
+        assert found._repr_html_().startswith("<iframe srcdoc=")
 
 
 def test_fit_gives_the_program_s_json_and_machine_file(run, tmp_path):

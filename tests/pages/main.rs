@@ -1,7 +1,8 @@
-//! Is the page of a diagnosis usable for a person? Tested in a real browser: it draws, requests nothing from the network,
+//! Is a page usable for a person? Tested in a real browser: it draws, requests nothing from the network,
 //! and works on a phone, in dark mode and in a browser without scripts.
 
 mod chromium;
+mod looks;
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

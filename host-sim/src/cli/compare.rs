@@ -1,4 +1,4 @@
-//! `host-sim compare`: the fit of every measured signal, end to end and link by link.
+//! `host-sim compare`: the fit of every measured signal, end to end and link by link, of one drive or of several.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -8,39 +8,47 @@ use identification::parallel;
 
 use diagnosis::base_parameters;
 use identification::compare::open_loop::put_sways;
-use identification::compare::weakest::{Weakest, missed_by_the_whole, obstacles, unjudged, weakest};
-use identification::compare::{Comparison, Section, compare_with_progress, judged, rows_simulated};
-use machine_file::{LoadSource, MachineFile};
-use model_core::machine::Tick;
+use identification::compare::weakest::weakest;
+use identification::compare::{Comparison, compare_with_progress, judged, mean_fits, rows_simulated};
+use machine_file::MachineFile;
 use recording::display_unit::{TABLE, arrange, difference, percent};
 use recording::files::source_error::printable;
 use recording::{Recording, Signal};
+use report::html::{self, Compared};
 use report::plot;
-use report::wording::{range_end, unsettled};
-use simulation::Arithmetic;
+use report::wording::{range_end, sentences, unsettled};
+use simulation::Trajectory;
 
 use super::Outcome;
 use super::console::{Console, Tone};
-use super::ending::{DOCUMENT, DRAWING, check_ending};
+use super::ending::{DOCUMENT, DRAWING, PAGE, check_ending};
 use super::error::CliError;
-use super::input::{self, MachineArguments};
-use super::target::{check_targets, write, write_document};
+use super::input::{self, ModelArguments};
+use super::target::{Target, check_targets, write, write_document};
 
 /// Arguments of `compare`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
-  host-sim compare --machine M.toml --recording train-1.csv train-2.csv
-  host-sim compare --machine M.toml --recording run.csv --map \"position=Kolbenweg [mm]\" --plot run.svg
-  host-sim compare --machine M.toml --recording run.csv --exit-code --tolerance 97
+  host-sim compare train-1.csv train-2.csv --machine M.toml
+  host-sim compare run.csv --machine M.toml --map \"position=Kolbenweg [mm]\" --plot run.svg
+  host-sim compare run.csv --machine before.toml --machine after.toml --report C.html
+  host-sim compare run.csv --machine M.toml --exit-code --tolerance 97
 
 NRMSE fit is 100·(1 − ‖y − ŷ‖/‖y − mean y‖) %: 100 is perfect, 0 no better than the mean. A section is simulated from its own
-measured input, so that a miss in it is made in it.")]
+measured input, so that a miss in it is made in it. Several machine files, each by a --machine of its own, are compared with the same
+recordings; drawings show them over each other.")]
 pub struct Arguments {
-    #[command(flatten)]
-    machine: MachineArguments,
     /// Recordings to compare with (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
-    #[arg(long, value_name = "R.csv", required = true, num_args = 1..)]
+    #[arg(value_name = "R.csv", required_unless_present = "recording")]
+    files: Vec<PathBuf>,
+    /// Machine file of the drive (TOML, SI units); may be repeated
+    #[arg(long, value_name = "M.toml", required = true)]
+    machine: Vec<PathBuf>,
+    /// Recordings, too
+    #[arg(long, value_name = "R.csv", num_args = 1..)]
     recording: Vec<PathBuf>,
+    #[command(flatten)]
+    model: ModelArguments,
     /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
     #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judged::named)]
     judge: Vec<Signal>,
@@ -50,7 +58,10 @@ pub struct Arguments {
     /// Write every fit for programs; `-` prints it in place of the text
     #[arg(long, value_name = "C.json")]
     json: Option<PathBuf>,
-    /// Answer 1 when a signal's fit end to end is below the tolerance
+    /// Write a page for people: every signal recorded and simulated, and the residuals with their correlations
+    #[arg(long, value_name = "C.html")]
+    report: Option<PathBuf>,
+    /// Answer 1 when a signal's fit end to end is below the tolerance, by any of the machine files
     #[arg(long)]
     exit_code: bool,
     /// Lowest NRMSE fit that is in tolerance, %
@@ -58,34 +69,115 @@ pub struct Arguments {
     tolerance: f64,
 }
 
-/// What is compared, checked.
-struct Job {
+/// One machine file, and what it makes of the recordings.
+struct Drive {
+    path: PathBuf,
     file: MachineFile,
     recordings: Vec<Recording>,
-    tick: Option<Tick>,
-    arithmetic: Arithmetic,
-    /// A path for each recording; empty without `--plot`.
-    plots: Vec<PathBuf>,
+    comparisons: Vec<Comparison>,
+}
+
+impl Drive {
+    fn as_compared<'a>(&'a self, label: &'a str) -> Compared<'a> {
+        let Self { file, recordings, comparisons, .. } = self;
+        Compared { label, file, recordings, comparisons }
+    }
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let job = job(arguments, console)?;
-    let comparisons = compared(&job, &arguments.machine.machine, console)?;
-    if let Some(path) = &arguments.json {
-        write_document(path, &format!("{:#}\n", report::json::comparison(&job.file, &comparisons)), console)?;
+    let (read, targets) = check(arguments)?;
+    check_targets(&targets, &read)?;
+    let mut drives = arguments
+        .machine
+        .iter()
+        .map(|machine| opened(arguments, machine, console))
+        .collect::<Result<Vec<Drive>, CliError>>()?;
+    let plots = arguments.plot.as_ref().map_or_else(Vec::new, |path| plot_paths(path, &drives[0].recordings));
+    let drawings = plots.iter().map(|path| ("--plot", Some(path.as_path()), DRAWING));
+    check_targets(&drawings.chain(targets).collect::<Vec<_>>(), &read)?;
+    for drive in &mut drives {
+        drive.comparisons = compared(drive, &arguments.model, console)?;
     }
-    for (path, svg) in job.plots.iter().zip(drawings(&job, &comparisons)) {
+    let labels = labels(&drives);
+    if let Some(path) = &arguments.json {
+        let all: Vec<_> = drives.iter().map(|drive| (drive.path.as_path(), &drive.file, &*drive.comparisons)).collect();
+        write_document(path, &format!("{:#}\n", report::json::comparisons(&all)), console)?;
+    }
+    if let Some(path) = &arguments.report {
+        let compared: Vec<Compared<'_>> =
+            drives.iter().zip(&labels).map(|(drive, label)| drive.as_compared(label)).collect();
+        write(path, html::compare(&compared))?;
+    }
+    for (path, svg) in plots.iter().zip(drawings_of(&drives, &labels)) {
         write(path, svg)?;
     }
+    for (drive, label) in drives.iter().zip(&labels) {
+        if drives.len() > 1 {
+            console.print(format_args!("machine {label} ({})", drive.path.display()))?;
+        }
+        tell(drive, console)?;
+        if drives.len() > 1 {
+            console.print("")?;
+        }
+    }
+    if drives.len() > 1 {
+        console.print("side by side, end to end, mean NRMSE fit %")?;
+        console.print(side_by_side(&drives, &labels, console.width))?;
+    }
+    for path in &plots {
+        console.print(format_args!("plot: {}", path.display()))?;
+    }
+    if !arguments.exit_code {
+        return Ok(Outcome::Done);
+    }
+    let below: Vec<String> = below(&drives, &labels, arguments.tolerance).collect();
+    let tone = if below.is_empty() { Tone::Good } else { Tone::Bad };
+    console.verdict(verdict(&below, arguments.tolerance), tone)?;
+    Ok(if below.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+/// Checks what needs no file; the files that are read, and those that are written beside drawings.
+fn check(arguments: &Arguments) -> Result<(Vec<PathBuf>, [Target<'_>; 2]), CliError> {
+    if !(f64::NEG_INFINITY..=100.0).contains(&arguments.tolerance) {
+        let (argument, expected) = ("--tolerance", "at most 100 %");
+        return Err(CliError::Number { argument, found: arguments.tolerance, expected });
+    }
+    arguments.plot.as_deref().map_or(Ok(()), |path| check_ending("--plot", path, DRAWING))?;
+    let read = [arguments.files.as_slice(), &arguments.recording, &arguments.machine].concat();
+    let document = ("--json", arguments.json.as_deref(), DOCUMENT);
+    Ok((read, [document, ("--report", arguments.report.as_deref(), PAGE)]))
+}
+
+/// A machine file with the recordings as it has their channels, not compared yet.
+fn opened(arguments: &Arguments, machine: &Path, console: &Console<'_>) -> Result<Drive, CliError> {
+    let (file, channels) = arguments.model.read(machine)?;
+    let paths = [arguments.files.as_slice(), &arguments.recording].concat();
+    let recordings = input::recordings(&paths, &channels, console)?
+        .into_iter()
+        .map(|recording| input::judged(recording, &file, &arguments.judge))
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(Drive { path: machine.to_owned(), file, recordings, comparisons: Vec::new() })
+}
+
+/// What the drives are called: by their names, by their files where names repeat, by their paths where these do, too.
+fn labels(drives: &[Drive]) -> Vec<String> {
+    let stem = |drive: &Drive| drive.path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into());
+    let names: Vec<String> = drives.iter().map(|drive| drive.file.name.clone()).collect();
+    let stems: Vec<String> = drives.iter().map(stem).collect();
+    let are_distinct = |of: &[String]| of.iter().collect::<BTreeSet<_>>().len() == of.len();
+    let paths = || drives.iter().map(|drive| drive.path.display().to_string()).collect();
+    [names, stems].into_iter().find(|labels| are_distinct(labels)).unwrap_or_else(paths)
+}
+
+/// The text of one drive: notes, table, sentences.
+fn tell(drive: &Drive, console: &mut Console<'_>) -> Result<(), CliError> {
+    let Drive { path, file, recordings, comparisons } = drive;
     let quiet = console.is_quiet();
-    for note in
-        job.recordings.iter().filter(|_| !quiet).flat_map(|recording| input::notes(recording, &job.file.machine))
-    {
+    for note in recordings.iter().filter(|_| !quiet).flat_map(|recording| input::notes(recording, &file.machine)) {
         console.print(format_args!("note: {note}"))?;
     }
     // They are compared as they are all the same.
-    let doubts =
-        if quiet { Vec::new() } else { input::doubts(&arguments.machine.machine, &job.file, &job.recordings, true)? };
+    let doubts = if quiet { Vec::new() } else { input::doubts(path, file, recordings, true)? };
     for doubt in doubts.iter().filter(|doubt| doubt.is_certain) {
         console.print(format_args!(
             "note: {}; mend this first: what follows is of the recordings as they are",
@@ -97,39 +189,11 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
             console.print(format_args!("note: {}: {note}", found.recording))?;
         }
     }
-    console.print_styled(table(&comparisons, console.terminal, console.width))?;
-    for line in sentences(&comparisons, job.file.load_source) {
+    console.print_styled(table(comparisons, console.terminal, console.width))?;
+    for line in sentences(comparisons, file.load_source) {
         console.print(line)?;
     }
-    for path in &job.plots {
-        console.print(format_args!("plot: {}", path.display()))?;
-    }
-    if !arguments.exit_code {
-        return Ok(Outcome::Done);
-    }
-    let below: Vec<String> = below(&comparisons, arguments.tolerance).collect();
-    let tone = if below.is_empty() { Tone::Good } else { Tone::Bad };
-    console.verdict(verdict(&below, arguments.tolerance), tone)?;
-    Ok(if below.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
-}
-
-fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
-    if !(f64::NEG_INFINITY..=100.0).contains(&arguments.tolerance) {
-        let (argument, expected) = ("--tolerance", "at most 100 %");
-        return Err(CliError::Number { argument, found: arguments.tolerance, expected });
-    }
-    let (file, channels) = arguments.machine.read()?;
-    let recordings = input::recordings(&arguments.recording, &channels, console)?
-        .into_iter()
-        .map(|recording| input::judged(recording, &file, &arguments.judge))
-        .collect::<Result<Vec<_>, _>>()?;
-    let plots = arguments.plot.as_ref().map_or_else(Vec::new, |path| plot_paths(path, &recordings));
-    let read = [arguments.recording.as_slice(), std::slice::from_ref(&arguments.machine.machine)].concat();
-    let document = ("--json", arguments.json.as_deref(), DOCUMENT);
-    let drawings = plots.iter().map(|path| ("--plot", Some(path.as_path()), DRAWING));
-    check_targets(&drawings.chain([document]).collect::<Vec<_>>(), &read)?;
-    arguments.plot.as_deref().map_or(Ok(()), |path| check_ending("--plot", path, DRAWING))?;
-    Ok(Job { file, recordings, tick: arguments.machine.tick(), arithmetic: arguments.machine.arithmetic.into(), plots })
+    Ok(())
 }
 
 /// Which rows of a recording are not judged, and why.
@@ -159,31 +223,69 @@ fn plot_paths(path: &Path, recordings: &[Recording]) -> Vec<PathBuf> {
     names.iter().enumerate().map(named).collect()
 }
 
-fn compared(job: &Job, machine: &Path, console: &Console<'_>) -> Result<Vec<Comparison>, CliError> {
-    let rows = |recording| rows_simulated(job.file.machine.source, job.file.load_source, recording) as u64;
-    let bar = console.share(job.recordings.iter().map(rows).sum(), "comparing");
-    let free = base_parameters(&job.file);
-    let comparisons = parallel::try_each(&job.recordings, |recording| {
-        let MachineFile { machine: values, load_source, .. } = &job.file;
+fn compared(drive: &Drive, model: &ModelArguments, console: &Console<'_>) -> Result<Vec<Comparison>, CliError> {
+    let Drive { path, file, recordings, .. } = drive;
+    let (values, load) = (&file.machine, file.load_source);
+    let rows = |recording| rows_simulated(values.source, load, recording) as u64;
+    let bar = console.share(recordings.iter().map(rows).sum(), "comparing");
+    let (free, tick, arithmetic) = (base_parameters(file), model.tick(), model.arithmetic.into());
+    let comparisons = parallel::try_each(recordings, |recording| {
         let told = |rows| bar.inc(rows as u64);
-        let failed = |cause| CliError::Compare { machine: machine.to_owned(), cause };
-        let mut found =
-            compare_with_progress(values, *load_source, recording, job.arithmetic, job.tick, &told).map_err(failed)?;
-        put_sways(&mut found, values, *load_source, recording, job.tick, &free).map_err(failed)?;
+        let failed = |cause| CliError::Compare { machine: path.clone(), cause };
+        let mut found = compare_with_progress(values, load, recording, arithmetic, tick, &told).map_err(failed)?;
+        put_sways(&mut found, values, load, recording, tick, &free).map_err(failed)?;
         Ok(found)
     });
     bar.finish_and_clear();
     comparisons
 }
 
-fn drawings<'a>(job: &'a Job, comparisons: &'a [Comparison]) -> impl Iterator<Item = String> + 'a {
-    job.recordings.iter().zip(comparisons).map(|(recording, comparison)| {
-        let panels = comparison.sections.first().map_or_else(Vec::new, |whole| {
+/// A drawing of each recording, with every drive over each other.
+fn drawings_of(drives: &[Drive], labels: &[String]) -> impl Iterator<Item = String> {
+    drives[0].recordings.iter().enumerate().map(move |(index, recording)| {
+        let simulated = |(drive, label): (_, &'_ String)| {
+            let drive: &Drive = drive;
+            let whole = drive.comparisons.get(index)?.sections.first()?;
+            Some((label.clone(), whole))
+        };
+        let wholes: Vec<(String, _)> = drives.iter().zip(labels).filter_map(simulated).collect();
+        let named: Vec<(&str, &Trajectory)> = match wholes.as_slice() {
+            [(_, only)] => vec![("simulated", &only.trajectory)],
+            several => several.iter().map(|(label, whole)| (label.as_str(), &whole.trajectory)).collect(),
+        };
+        let panels = wholes.first().map_or_else(Vec::new, |(_, whole)| {
             let judged: Vec<Signal> = whole.fits.iter().map(|fit| fit.signal).collect();
-            plot::panels(recording, whole.input_point, &whole.trajectory, &judged)
+            plot::panels_of(recording, whole.input_point, &named, &judged)
         });
-        plot::svg(recording.name(), &format!("recorded against {}, simulated end to end", job.file.name), &panels)
+        let told = format!("recorded against {}, simulated end to end", labels.join(", "));
+        plot::svg(recording.name(), &told, &panels)
     })
+}
+
+/// A row for each signal, a column for each drive.
+fn side_by_side(drives: &[Drive], labels: &[String], width: Option<u16>) -> Table {
+    let means: Vec<_> = drives.iter().map(|drive| mean_fits(&drive.comparisons)).collect();
+    let signals: Vec<Signal> = means.iter().flatten().map(|(signal, _)| *signal).fold(Vec::new(), |mut all, signal| {
+        if !all.contains(&signal) {
+            all.push(signal);
+        }
+        all
+    });
+    let mut table = Table::new();
+    table.load_style(TABLE);
+    arrange(&mut table, width);
+    table.set_header(std::iter::once("signal").chain(labels.iter().map(String::as_str)));
+    for signal in signals {
+        let fit = |of: &Vec<(Signal, f64)>| {
+            let found = of.iter().find(|(known, _)| *known == signal);
+            found.map_or_else(String::new, |(_, fit)| percent(*fit))
+        };
+        table.add_row(std::iter::once(signal.to_string()).chain(means.iter().map(fit)));
+    }
+    for (_, column) in table.column_iter_mut().enumerate().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
 }
 
 /// One row for each recording, section and signal; the weakest part of each recording in bold on a terminal.
@@ -226,96 +328,16 @@ fn table(comparisons: &[Comparison], terminal: bool, width: Option<u16>) -> Tabl
     table
 }
 
-/// Which part is weakest, in each recording and over all, what that means, and what prevents parts from being distinguished.
-fn sentences(comparisons: &[Comparison], load: LoadSource) -> Vec<String> {
-    let mut lines: Vec<String> = comparisons
-        .iter()
-        .filter_map(|comparison| {
-            let found = weakest(std::slice::from_ref(comparison))?;
-            Some(format!("{}: weakest is {}", comparison.recording, described(found)))
+fn below(drives: &[Drive], labels: &[String], tolerance: f64) -> impl Iterator<Item = String> {
+    let several = drives.len() > 1;
+    drives.iter().zip(labels).flat_map(move |(drive, label)| {
+        drive.comparisons.iter().flat_map(move |comparison| {
+            let fits = comparison.sections.first().into_iter().flat_map(|whole| &whole.fits);
+            fits.filter(move |fit| !(tolerance..).contains(&fit.nrmse_percent)).map(move |fit| {
+                let drive = if several { format!("{label}, ") } else { String::new() };
+                format!("{drive}{} {} ({} %)", comparison.recording, fit.signal, percent(fit.nrmse_percent))
+            })
         })
-        .collect();
-    if let Some(found) = weakest(comparisons) {
-        if comparisons.len() > 1 {
-            lines.push(format!("over all {}: weakest is {} on average", comparisons.len(), described(found)));
-        }
-        lines.push(meaning(found, missed_by_the_whole(comparisons)));
-    }
-    lines.extend(unjudged(comparisons).iter().map(|part| format!("{}.", report::wording::unjudged(part))));
-    let missing: BTreeSet<&str> =
-        comparisons.iter().flat_map(|comparison| obstacles(comparison, load)).map(report::wording::obstacle).collect();
-    lines.extend(missing.into_iter().map(|missing| format!("But {missing}.")));
-    lines
-}
-
-fn described(found: Weakest) -> String {
-    format!("{}, {} at {} %", found.section, found.signal, percent(found.nrmse_percent))
-}
-
-fn meaning(found: Weakest, whole: Option<(Signal, f64)>) -> String {
-    if found.follows()
-        && let Some((signal, fit)) = whole
-    {
-        return format!(
-            "What could be judged by itself follows its recordings within about their noise. But end to end {signal} is at {} %:\n\
-             physics is missing in a part that could not be judged by itself, or a parameter of it is off.",
-            percent(fit)
-        );
-    }
-    if found.follows() {
-        return "Every part follows its recordings to about their noise; there is no sign of missing physics."
-            .to_owned();
-    }
-    if !found.is_judged && found.section != Section::EndToEnd {
-        return match whole {
-            Some((signal, fit)) => format!(
-                "No part that can be judged by itself misses its recordings. But end to end {signal} is at {} %, more than small errors of\n\
-                 sensors and parameters make: `host-sim diagnose` refits and looks closer.",
-                percent(fit)
-            ),
-            None => "Nothing is missed by more than small errors of sensors and parameters make; `host-sim diagnose` refits and looks closer."
-                .to_owned(),
-        };
-    }
-    let signal = found.signal;
-    let told = match found.section {
-        Section::EndToEnd => {
-            return "This is the whole chain: whatever it misses may be missed anywhere in it.".to_owned();
-        }
-        Section::Valve => format!("Driven by the recorded command, the valve alone misses the recorded {signal}"),
-        Section::BelowSpool => {
-            format!("Driven by the recorded spool, flow, chambers and mechanics together miss the recorded {signal}")
-        }
-        Section::BelowFlow => format!("Driven by the recorded flow, chambers and mechanics together miss the {signal}"),
-        Section::FlowAndChambers => format!(
-            "At the recorded pressures, the flow minus the compression of the oil does not give the recorded {signal} (orifices,\n\
-             pump, leakage or compressibility)"
-        ),
-        Section::Mechanics => {
-            format!("Driven by the recorded pressures, mass, friction and load alone miss the recorded {signal}")
-        }
-    };
-    match (found.rival(), found.runner_up) {
-        (Some((rival, fit)), _) => format!(
-            "{told}.\nBut {rival} misses nearly as much ({} %): which of the two lacks physics, or has a parameter off, is not \
-             settled by these figures.",
-            percent(fit)
-        ),
-        (None, Some(_)) => {
-            format!(
-                "{told}; the other parts fit better.\n\
-                 This part does not follow: an effect is missing in it, or a parameter is further off than its standard deviation."
-            )
-        }
-        (None, None) => format!("{told}.\nIt is the only part that could be judged by itself."),
-    }
-}
-
-fn below(comparisons: &[Comparison], tolerance: f64) -> impl Iterator<Item = String> + '_ {
-    comparisons.iter().flat_map(move |comparison| {
-        let fits = comparison.sections.first().into_iter().flat_map(|whole| &whole.fits);
-        fits.filter(move |fit| !(tolerance..).contains(&fit.nrmse_percent))
-            .map(|fit| format!("{} {} ({} %)", comparison.recording, fit.signal, percent(fit.nrmse_percent)))
     })
 }
 

@@ -3,13 +3,15 @@
 use std::path::PathBuf;
 
 use rayon::prelude::*;
+use serde_json::json;
 
 use virtual_plant::concealed::{self, Concealed, Lot};
 
 use super::Outcome;
 use super::console::Console;
+use super::ending::DOCUMENT;
 use super::error::CliError;
-use super::target::{check_folder, make_folder, write_together};
+use super::target::{check_folder, check_targets, make_folder, tell, write_together};
 use super::testbed::refuse_others;
 
 /// Arguments of `testbed draw`.
@@ -42,6 +44,9 @@ pub struct Arguments {
     /// Folder to write to; made where it is not there
     #[arg(long, value_name = "folder")]
     out: PathBuf,
+    /// Write the names of the cases for programs; `-` prints it in place of the text
+    #[arg(long, value_name = "D.json")]
+    json: Option<PathBuf>,
 }
 
 /// What `--effects` can be.
@@ -78,6 +83,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         return Err(CliError::EffectName { found: found.clone(), known });
     }
     check_folder(&arguments.out)?;
+    check_targets(&[("--json", arguments.json.as_deref(), DOCUMENT)], &[])?;
     let lot = Lot {
         seed: arguments.seed,
         concealed: arguments.effects.into(),
@@ -117,6 +123,17 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     make_folder(&arguments.out)?;
     folders.iter().try_for_each(|folder| make_folder(folder))?;
     write_together(&all)?;
+    let document = || {
+        let case =
+            |(id, _): &(String, _)| json!({ "case": id, "folder": arguments.out.join(id).display().to_string() });
+        json!({
+            "schema": "host-sim/draw/1",
+            "seed": arguments.seed,
+            "truth": arguments.out.join("truth.json").display().to_string(),
+            "cases": truths.iter().map(case).collect::<Vec<_>>(),
+        })
+    };
+    tell(arguments.json.as_deref(), document, console)?;
     folders.iter().try_for_each(|folder| console.print(folder.display()))?;
     Ok(Outcome::Done)
 }

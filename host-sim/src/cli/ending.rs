@@ -26,6 +26,9 @@ pub(crate) const MACHINE: Kind = Kind { what: "a machine file", endings: &["toml
 /// Source that the firmware takes in.
 pub(crate) const SOURCE: Kind = Kind { what: "Rust source", endings: &["rs"] };
 
+/// What is checked elsewhere.
+pub(crate) const ANY: Kind = Kind { what: "any format", endings: &[] };
+
 /// Endings of formats that are never written, or by another command.
 const OTHERS: [&str; 17] = [
     "gz", "xlsx", "xls", "ods", "mf4", "pdf", "png", "jpg", "jpeg", "doc", "docx", "fmu", "h", "zip", "xml", "yaml",

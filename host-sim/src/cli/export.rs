@@ -2,18 +2,23 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use machine_file::MachineFile;
 use model_core::machine::{MachineError, Tick};
 use model_core::number::{PerUnit, Single};
 use model_export::fmu::{self, Contents, Library, Settings};
 use model_export::rust::Constants;
+use serde_json::{Value, json};
 
 use super::Outcome;
 use super::console::Console;
-use super::ending::is_standard_output;
+use super::ending::{ANY, DOCUMENT, is_standard_output};
 use super::error::CliError;
 use super::input::{ArithmeticArgument, TickArgument};
-use super::target::{check_not_read, check_target, write, write_or_print};
+use super::target::{
+    check_apart, check_not_read, check_one_output, check_target, check_targets, tell, write, write_or_print,
+};
 
 /// Arguments of `export`.
 #[derive(Clone, Debug, clap::Args)]
@@ -56,6 +61,9 @@ pub struct Arguments {
     /// Shared library to put into an FMU, in place of the one beside this program
     #[arg(long, value_name = "library")]
     library: Option<PathBuf>,
+    /// Write what was exported for programs; `-` prints it in place of the text
+    #[arg(long, value_name = "E.json")]
+    json: Option<PathBuf>,
 }
 
 /// The number type of a baked drive.
@@ -108,13 +116,17 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if arguments.number == Some(NumberArgument::F32) && format == Format::C99 {
         return Err(CliError::OnlyFixed { argument: "--number" });
     }
+    check_one_output(&arguments.out, arguments.json.as_deref())?;
+    let read: Vec<PathBuf> = [&arguments.machine].into_iter().chain(&arguments.library).cloned().collect();
+    let document = ("--json", arguments.json.as_deref(), DOCUMENT);
+    check_targets(&[document], &read)?;
     let to_console = is_standard_output(&arguments.out);
     if to_console && format == Format::Fmu {
         return Err(CliError::NoText { option: "--out" });
     }
     if !to_console {
         check_target(&arguments.out)?;
-        let read: Vec<PathBuf> = [&arguments.machine].into_iter().chain(&arguments.library).cloned().collect();
+        check_apart(&[document, ("--out", Some(arguments.out.as_path()), ANY)])?;
         check_not_read(&arguments.out, &read)?;
     }
     let file = machine_file::read(&arguments.machine)?;
@@ -125,7 +137,25 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         Format::C99 => write_or_print(&arguments.out, &constants(arguments, &file)?.c99(), console)?,
         Format::Fmu => write(&arguments.out, packed(arguments, &file)?)?,
     }
+    tell(arguments.json.as_deref(), || document_of(arguments, format, &file), console)?;
     Ok(Outcome::Done)
+}
+
+/// What was exported, for programs.
+fn document_of(arguments: &Arguments, format: Format, file: &MachineFile) -> Value {
+    let name = |value: &dyn Fn() -> Option<PossibleValue>| value().map(|value| value.get_name().to_owned());
+    let number = arguments.bake.then(|| arguments.number.unwrap_or_default());
+    let arithmetic = (format == Format::Fmu).then(|| arguments.arithmetic.unwrap_or_default());
+    json!({
+        "schema": "host-sim/export/1",
+        "machine": file.name,
+        "out": arguments.out.display().to_string(),
+        "format": name(&|| format.to_possible_value()),
+        "tick_ms": 1e3 * Tick::from(arguments.tick).seconds(),
+        "baked": arguments.bake,
+        "number": name(&|| number?.to_possible_value()),
+        "arithmetic": name(&|| arithmetic?.to_possible_value()),
+    })
 }
 
 fn constants(arguments: &Arguments, file: &MachineFile) -> Result<Constants, CliError> {

@@ -6,28 +6,36 @@ use diagnosis::localisation::Miss;
 use diagnosis::{DiagnoseError, Refit, Refitting, read_absolute};
 use identification::compare::judged;
 use recording::{ChannelMap, PressureZero, Recording, Signal};
-use report::{json, terminal, wording};
+use report::{html, json, terminal, wording};
 
 use super::console::Console;
-use super::ending::{DOCUMENT, MACHINE};
+use super::diagnose::check_distinct;
+use super::ending::{DOCUMENT, MACHINE, PAGE};
 use super::error::CliError;
-use super::target::{check_apart, check_targets, write_document};
+use super::target::{check_apart, check_targets, write, write_document};
 use super::{Outcome, input};
 
 /// Arguments of `fit`.
 #[derive(Clone, Debug, clap::Args)]
-#[command(after_help = "Example:
-  host-sim fit --machine M.toml --train train-1.csv train-2.csv --save-machine F.toml
+#[command(after_help = "Examples:
+  host-sim fit train-1.csv train-2.csv --machine M.toml --save-machine F.toml
+  host-sim fit train-1.csv train-2.csv --machine M.toml --holdout holdout.csv --report F.html --save-machine F.toml
 
 The parameters of [fit.sigma] move, each around its nominal value by its standard deviation; without that table the usually
-uncertain ones that the file gives, by a tenth.")]
+uncertain ones that the file gives, by a tenth. Held-out recordings take no part in the fit: they show what it is worth.")]
 pub struct Arguments {
+    /// Recordings to fit to (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    #[arg(value_name = "R.csv", required_unless_present = "train")]
+    files: Vec<PathBuf>,
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml")]
     machine: PathBuf,
-    /// Recordings to fit to (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
-    #[arg(long, value_name = "R.csv", required = true, num_args = 1..)]
+    /// Recordings to fit to, too
+    #[arg(long, value_name = "R.csv", num_args = 1..)]
     train: Vec<PathBuf>,
+    /// Recordings that take no part in the fit, to judge it by
+    #[arg(long, value_name = "R.csv", num_args = 1..)]
+    holdout: Vec<PathBuf>,
     /// Which column holds a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
@@ -41,29 +49,31 @@ pub struct Arguments {
     #[arg(long)]
     as_recorded: bool,
     /// Where to write the machine file with fitted values
-    #[arg(long, value_name = "F.toml")]
-    save_machine: PathBuf,
+    #[arg(long, value_name = "F.toml", required_unless_present_any = ["json", "report"])]
+    save_machine: Option<PathBuf>,
     /// Write the fitted values and what is left for programs; `-` prints it in place of the text
     #[arg(long, value_name = "F.json")]
     json: Option<PathBuf>,
+    /// Write a page for people: the values before and after, every signal recorded and simulated, and the residuals
+    #[arg(long, value_name = "F.html")]
+    report: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let saved = ("--save-machine", Some(arguments.save_machine.as_path()), MACHINE);
-    let document = ("--json", arguments.json.as_deref(), DOCUMENT);
-    check_targets(&[saved], &arguments.train)?;
-    check_targets(&[document], &[arguments.train.as_slice(), std::slice::from_ref(&arguments.machine)].concat())?;
-    check_apart(&[saved, document])?;
+    let train = [arguments.files.as_slice(), &arguments.train].concat();
+    check(arguments, &train)?;
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let mut file = machine_file::read(&arguments.machine)?;
     let channels = file.channels.clone().overlaid_with(&maps);
     let failed =
         |cause: DiagnoseError| CliError::Diagnose { machine: arguments.machine.clone(), cause: Box::new(cause) };
-    let read = input::recordings(&arguments.train, &channels, console)?.into_iter();
+    let read = input::recordings(&[train.as_slice(), &arguments.holdout].concat(), &channels, console)?.into_iter();
     let mut recordings: Vec<Recording> =
         read.map(|recording| input::judged(recording, &file, &arguments.judge)).collect::<Result<_, _>>()?;
     let tick = arguments.tick.map(Into::into);
-    if read_absolute(&file, &recordings, tick).map_err(failed)? {
+    let trained = train.len();
+    check_distinct(&recordings[..trained], &recordings[trained..], &[])?;
+    if read_absolute(&file, &recordings[..trained], tick).map_err(failed)? {
         recordings.iter_mut().for_each(Recording::take_as_absolute);
         file.channels.pressure = PressureZero::Absolute;
     }
@@ -73,10 +83,12 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     for doubt in input::doubts(&arguments.machine, &file, &recordings, arguments.as_recorded)? {
         console.note(wording::doubt(&doubt));
     }
-    let refitting = Refitting::of(&file, &recordings, tick).map_err(failed)?;
+    let (training, held_out) = recordings.split_at(trained);
+    let refitting = Refitting::of(&file, training, tick).map_err(failed)?;
+    let refitting = refitting.with_held_out(held_out, tick).map_err(failed)?;
     console.detail(format_args!(
         "read: {} recordings, {} rows; {} parameters may move",
-        recordings.len(),
+        training.len(),
         refitting.rows(),
         refitting.parameters()
     ));
@@ -85,12 +97,27 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let refit = refitting.search(&|rows| bar.inc(rows as u64));
     bar.finish_and_clear();
     let refit = refit.map_err(failed)?;
-    refit.file.save(&arguments.save_machine)?;
+    if let Some(path) = &arguments.save_machine {
+        refit.file.save(path)?;
+    }
     if let Some(path) = &arguments.json {
         write_document(path, &format!("{:#}\n", json::refit(&refit)), console)?;
     }
+    if let Some(path) = &arguments.report {
+        write(path, html::fit(&refit, &recordings.iter().collect::<Vec<_>>()))?;
+    }
     tell(&refit, console)?;
     Ok(Outcome::Done)
+}
+
+/// Checks the files to write: a fitted machine file may replace the one that it was made from; no other result may replace an input.
+fn check(arguments: &Arguments, train: &[PathBuf]) -> Result<(), CliError> {
+    let saved = ("--save-machine", arguments.save_machine.as_deref(), MACHINE);
+    let others = [("--json", arguments.json.as_deref(), DOCUMENT), ("--report", arguments.report.as_deref(), PAGE)];
+    let recordings = [train, &arguments.holdout].concat();
+    check_targets(&[saved], &recordings)?;
+    check_targets(&others, &[recordings.as_slice(), std::slice::from_ref(&arguments.machine)].concat())?;
+    check_apart(&[others.as_slice(), &[saved]].concat())
 }
 
 fn tell(refit: &Refit, console: &mut Console<'_>) -> Result<(), CliError> {
@@ -107,6 +134,9 @@ fn tell(refit: &Refit, console: &mut Console<'_>) -> Result<(), CliError> {
     }
     if let Some(pairs) = terminal::correlated(&refit.correlations) {
         console.print(pairs)?;
+    }
+    if let Some(table) = terminal::held_out_fits(&refit.shown) {
+        console.print(table)?;
     }
     console.print(format_args!("What is left: {}.", terminal::missed(&refit.left)))?;
     if refit.left.iter().any(Miss::is_above_noise) {

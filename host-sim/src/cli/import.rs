@@ -4,11 +4,13 @@ use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
 
+use serde_json::json;
+
 use super::Outcome;
 use super::console::Console;
-use super::ending::{TEXT, is_standard_output};
+use super::ending::{DOCUMENT, TEXT, is_standard_output};
 use super::error::CliError;
-use super::target::{check_targets, write_or_print};
+use super::target::{check_one_output, check_targets, tell, write_or_print};
 use crate::frames::{self, ImportError, MAX_CAPTURE_BYTES};
 
 /// Arguments of `import`.
@@ -30,11 +32,16 @@ pub struct Arguments {
     /// Where to write the recording (CSV); - is standard output
     #[arg(long, value_name = "R.csv")]
     out: PathBuf,
+    /// Write what was found in the capture for programs; `-` prints it in place of the text
+    #[arg(long, value_name = "I.json")]
+    json: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let out = Some(arguments.out.as_path()).filter(|out| !is_standard_output(out));
-    check_targets(&[("--out", out, TEXT)], std::slice::from_ref(&arguments.frames))?;
+    check_one_output(&arguments.out, arguments.json.as_deref())?;
+    let document = ("--json", arguments.json.as_deref(), DOCUMENT);
+    check_targets(&[("--out", out, TEXT), document], std::slice::from_ref(&arguments.frames))?;
     let mut bytes = Vec::new();
     File::open(&arguments.frames)
         .and_then(|file| file.take(MAX_CAPTURE_BYTES + 1).read_to_end(&mut bytes))
@@ -45,6 +52,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     }
     let stream = frames::stream(&bytes).map_err(failed)?;
     let (losses, rows_of_none) = (stream.losses, stream.rows_of_none);
+    let held = stream.recordings.len();
     let recording = stream.chosen(arguments.which).map_err(failed)?;
     let csv = recording.csv().map_err(failed)?;
     let name = arguments.frames.display();
@@ -64,5 +72,23 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         ));
     }
     write_or_print(&arguments.out, &csv, console)?;
+    let document = || {
+        json!({
+            "schema": "host-sim/import/1",
+            "machine": recording.machine,
+            "frames": arguments.frames.display().to_string(),
+            "out": arguments.out.display().to_string(),
+            "recordings": held,
+            "which": arguments.which.unwrap_or(1),
+            "tick_ms": 1e3 * recording.tick_s,
+            "rows_sent": recording.rows_sent,
+            "rows_lost": recording.rows_lost(),
+            "trigger_row": recording.trigger,
+            "frames_missing": losses.missing,
+            "frames_refused": losses.refused,
+            "rows_of_none": rows_of_none,
+        })
+    };
+    tell(arguments.json.as_deref(), document, console)?;
     Ok(Outcome::Done)
 }

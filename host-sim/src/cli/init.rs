@@ -6,14 +6,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Arg, ArgMatches, Command};
 
-use machine_file::data_sheet::{self, Answers, Edges, Item, Need, Origin};
+use machine_file::data_sheet::{self, Answers, Derived, Edges, Item, Need, Origin, Sigma};
+use serde_json::{Value, json};
 
 use super::Outcome;
 use super::ask::ask;
 use super::console::Console;
-use super::ending::MACHINE;
+use super::ending::{DOCUMENT, MACHINE};
 use super::error::CliError;
-use super::target::{check_targets, write};
+use super::target::{check_targets, tell, write};
 
 /// Arguments of `init`.
 #[derive(Clone, Debug, clap::Args)]
@@ -43,6 +44,9 @@ pub struct Arguments {
     /// Write over a file that is there
     #[arg(long)]
     force: bool,
+    /// Write every value with where it comes from for programs; `-` prints it in place of the text
+    #[arg(long, value_name = "I.json")]
+    json: Option<PathBuf>,
 }
 
 /// Over what the rated pressure drop of a valve stands.
@@ -117,7 +121,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if target.exists() && !arguments.force {
         return Err(CliError::IsThere { path: target.clone() });
     }
-    check_targets(&[("--out", Some(target), MACHINE)], &[])?;
+    let document = ("--json", arguments.json.as_deref(), DOCUMENT);
+    check_targets(&[("--out", Some(target), MACHINE), document], &[])?;
     let mut answers = arguments.answers.0.clone();
     if !answers.missing().is_empty() && io::stdin().is_terminal() && io::stderr().is_terminal() {
         ask(&mut answers)?;
@@ -129,6 +134,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     machine_file::read_text(&target.display().to_string(), &text)?;
     write(target, text)?;
 
+    tell(arguments.json.as_deref(), || document_of(&name, target, &made), console)?;
     console.print(target.display())?;
     let assumed: Vec<&str> =
         made.entries.iter().filter(|entry| entry.origin == Origin::Assumed).map(|entry| entry.key).collect();
@@ -144,6 +150,25 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
          \x20          host-sim fit --machine {shown} --train run.csv --save-machine fitted.toml"
     ))?;
     Ok(Outcome::Done)
+}
+
+/// Every value that was written, for programs.
+fn document_of(name: &str, target: &Path, made: &Derived) -> Value {
+    let values = made.entries.iter().map(|entry| {
+        let key = if entry.table.is_empty() { entry.key.to_owned() } else { format!("{}.{}", entry.table, entry.key) };
+        json!({ "key": key, "values": entry.values, "origin": entry.origin.name(), "why": entry.why })
+    });
+    let sizes = |all: &[Sigma]| -> Vec<Value> {
+        all.iter().map(|one| json!({ "key": one.key, "value": one.value, "why": one.why })).collect()
+    };
+    json!({
+        "schema": "host-sim/init/1",
+        "machine": name,
+        "out": target.display().to_string(),
+        "values": values.collect::<Vec<_>>(),
+        "standard_deviations": sizes(&made.sigma),
+        "tolerances": sizes(&made.tolerance),
+    })
 }
 
 fn stem(path: &Path) -> String {

@@ -22,6 +22,14 @@ pub struct MachineArguments {
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml")]
     pub machine: PathBuf,
+    /// The rest.
+    #[command(flatten)]
+    pub model: ModelArguments,
+}
+
+/// How recordings are to be read, and how a drive is computed.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ModelArguments {
     /// Which column holds a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     pub maps: Vec<String>,
@@ -77,10 +85,17 @@ impl From<TickArgument> for Tick {
 }
 
 impl MachineArguments {
-    /// The machine file, and which columns hold which signals: the command line takes precedence over the machine file.
+    /// The machine file, and which columns hold which signals.
     pub fn read(&self) -> Result<(MachineFile, ChannelMap), CliError> {
+        self.model.read(&self.machine)
+    }
+}
+
+impl ModelArguments {
+    /// A machine file, and which columns hold which signals: the command line takes precedence over the machine file.
+    pub fn read(&self, machine: &Path) -> Result<(MachineFile, ChannelMap), CliError> {
         let maps = ChannelMap::from_arguments(self.maps.iter().map(String::as_str))?;
-        let file = machine_file::read(&self.machine)?;
+        let file = machine_file::read(machine)?;
         let channels = file.channels.clone().overlaid_with(&maps);
         Ok((file, channels))
     }

@@ -3,20 +3,22 @@
 use std::path::PathBuf;
 
 use experiment::inspect::Inspection;
+use machine_file::MachineFile;
 use recording::files::source_error::Explained;
-use recording::{ChannelMap, RecordingError, guess, survey};
+use recording::{ChannelMap, Recording, RecordingError, UnknownColumn, guess, survey, unknown_columns};
+use report::html::{self, Inspected};
 
 use super::console::Console;
-use super::ending::DOCUMENT;
+use super::ending::{DOCUMENT, PAGE};
 use super::error::CliError;
-use super::target::{check_targets, write_document};
+use super::target::{check_targets, write, write_document};
 use super::{Outcome, input};
 
 /// Arguments of `inspect`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   host-sim inspect run.csv
-  host-sim inspect train-1.csv train-2.csv --machine M.toml --json I.json
+  host-sim inspect train-1.csv train-2.csv --machine M.toml --json I.json --report I.html
 
 Says of each recording which signals it holds with their noise and steps, which links of the drive it can test and what is missing
 to test the others, and whether valve and rod were moved. With a machine file also against its dead zone, stroke and supply.
@@ -38,11 +40,15 @@ pub struct Arguments {
     /// Write what was found for programs; `-` prints it in place of the text
     #[arg(long, value_name = "I.json")]
     json: Option<PathBuf>,
+    /// Write a page for people: every channel over time with what is suspicious marked, and which links can be tested
+    #[arg(long, value_name = "I.html")]
+    report: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let read = [arguments.recordings.as_slice(), arguments.machine.as_slice()].concat();
-    check_targets(&[("--json", arguments.json.as_deref(), DOCUMENT)], &read)?;
+    let document = ("--json", arguments.json.as_deref(), DOCUMENT);
+    check_targets(&[document, ("--report", arguments.report.as_deref(), PAGE)], &read)?;
     let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
     let file = arguments.machine.as_deref().map(machine_file::read).transpose()?;
     let channels = file.as_ref().map(|file| file.channels.clone()).unwrap_or_default().overlaid_with(&maps);
@@ -59,6 +65,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if let Some(path) = &arguments.json {
         write_document(path, &format!("{:#}\n", report::inspect::document(&found)), console)?;
     }
+    if let Some(path) = &arguments.report {
+        write(path, page(&arguments.recordings, &recordings, &found, file.as_ref()))?;
+    }
     let texts: Vec<String> = found.iter().map(|found| report::inspect::text(found, console.width)).collect();
     console.print(texts.join("\n").trim_end())?;
     let nothing_known = recordings.iter().position(|recording| recording.columns().len() == 1);
@@ -66,6 +75,23 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         console.print(format_args!("\n{}", guess::block(&columns)))?;
     }
     Ok(Outcome::Done)
+}
+
+/// The page of recordings that were read from these files.
+fn page(paths: &[PathBuf], recordings: &[Recording], found: &[Inspection], file: Option<&MachineFile>) -> String {
+    // A file that could be read once and no longer, such as a pipe, shows its known channels alone.
+    let unknown: Vec<Vec<UnknownColumn>> = paths
+        .iter()
+        .zip(recordings)
+        .map(|(path, recording)| unknown_columns(path, recording).unwrap_or_default())
+        .collect();
+    let inspected: Vec<Inspected<'_>> = found
+        .iter()
+        .zip(recordings)
+        .zip(&unknown)
+        .map(|((found, recording), unknown)| Inspected { found, recording, unknown })
+        .collect();
+    html::inspect(file.map(|file| file.name.as_str()), &inspected)
 }
 
 /// Where no header is known, the error with what the columns may hold.

@@ -26,6 +26,7 @@ pub mod paper;
 pub mod plan;
 mod plant;
 pub mod simulate;
+mod simulated;
 pub mod statics;
 mod target;
 #[cfg(feature = "virtual-plant")]
@@ -39,7 +40,7 @@ use recording::files::source_error::printable;
 pub use command_line::CommandLine;
 pub use console::{Console, Progress, Tone, Volume};
 pub use error::CliError;
-pub use input::{ArithmeticArgument, MachineArguments, TickArgument};
+pub use input::{ArithmeticArgument, MachineArguments, ModelArguments, TickArgument};
 pub use interrupt::{INTERRUPTED, stop_cleanly};
 
 /// Simulates and compares valve-controlled hydraulic drives against recordings.

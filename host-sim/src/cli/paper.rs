@@ -1,13 +1,19 @@
 //! `host-sim paper`: the paper's tables, from the virtual test bed.
 
+use std::path::PathBuf;
+
 use comfy_table::{CellAlignment, Table};
 
 use recording::display_unit::TABLE;
+use serde_json::{Value, json};
+use simulation::figures_of_merit::SignalFit;
 
 use super::Outcome;
 use super::console::Console;
+use super::ending::DOCUMENT;
 use super::error::CliError;
 use super::input::ArithmeticArgument;
+use super::target::{check_targets, tell};
 use crate::paper::{
     CHARACTERISTIC, COMMANDS_V, DEVIATIONS, DITHER, Experiment, FRICTION_N, LEAKAGE_M3_PER_S_PA, SETTLED_S,
     TABLE_2_PERCENT, experiment,
@@ -23,12 +29,17 @@ pub struct Arguments {
     /// Number type of the simulation; fixed is what the controller computes
     #[arg(long, value_enum, default_value_t)]
     arithmetic: ArithmeticArgument,
+    /// Write the figures of both tables for programs; `-` prints it in place of the text
+    #[arg(long, value_name = "P.json")]
+    json: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
+    check_targets(&[("--json", arguments.json.as_deref(), DOCUMENT)], &[])?;
     let bar = console.progress(COMMANDS_V.len(), "running the steps");
     let found = experiment(arguments.arithmetic.into(), || bar.inc(1))?;
     bar.finish_and_clear();
+    tell(arguments.json.as_deref(), || document_of(&found), console)?;
     console.print(introduction())?;
     console.print("\nTable 1. Similarity of the spool for step responses: from the command, by static characteristic, rate limit and (16)")?;
     console.print(table_1(&found))?;
@@ -39,6 +50,26 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     console.print(table_2(&found))?;
     console.print(characteristic(&found))?;
     Ok(Outcome::Done)
+}
+
+/// The figures of both tables, for programs.
+fn document_of(found: &Experiment) -> Value {
+    let fit = |of: &SignalFit| json!({ "nrmse_percent": of.nrmse_percent, "rmse": of.rmse, "max_error": of.max_error });
+    let steps = found.steps.iter().zip(TABLE_2_PERCENT).map(|(step, paper)| {
+        json!({
+            "command_v": step.command_v,
+            "spool": fit(&step.spool),
+            "position": fit(&step.position),
+            "position_from_spool": fit(&step.position_from_spool),
+            "position_of_the_paper_percent": paper,
+        })
+    });
+    json!({
+        "schema": "host-sim/paper/1",
+        "steps": steps.collect::<Vec<_>>(),
+        "characteristic": { "slope_per_v": found.slope_per_v, "offset": found.offset },
+        "characteristic_of_the_paper": { "slope_per_v": CHARACTERISTIC.0, "offset": CHARACTERISTIC.1 },
+    })
 }
 
 fn introduction() -> String {

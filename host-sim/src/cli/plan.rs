@@ -24,26 +24,29 @@ use crate::played::Played;
 #[command(after_help = "Examples:
   host-sim plan --machine M.toml --sensors position:0.05mm,pressure_a:0.2bar,pressure_b:0.2bar
   host-sim plan --machine M.toml --sensors position --input \"random:10V\" --out excitation.csv --plot matrix.svg
-  host-sim plan --machine M.toml --recording first.csv
+  host-sim plan first.csv --machine M.toml
   host-sim plan --machine M.toml --sensors spool,position,pressure_a,pressure_b --largest 4 --seconds 6 --firmware plan.rs
 
 Every effect is switched on in the model, as it usually is; what a refit would imitate is taken out; what is left decides whether it
 would be accepted, and which effects would pass for each other, by the rules of `diagnose`. Sensors are position, velocity, spool, flow,
 force, pressure_a, pressure_b, supply_pressure, each with the standard deviation of its noise (usual noise without). With
---recording its sensors and their noise are those at hand. The excitation that separates most is the best choice of the standard tests
+a recording its sensors and their noise are those at hand. The excitation that separates most is the best choice of the standard tests
 within --seconds; --out writes it, time and command; --firmware writes it for the shipped firmware, whose reference model it drives
 while the loops make the drive follow. The rod starts at mid-stroke.")]
 pub struct Arguments {
+    /// Recording whose excitation is judged beside the best one (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    #[arg(value_name = "R.csv", conflicts_with_all = ["recording", "input"])]
+    file: Option<PathBuf>,
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml")]
     machine: PathBuf,
     /// Sensors at hand, each with its noise: `position:0.05mm,spool`
-    #[arg(long, value_name = "sensor,…", value_delimiter = ',', required_unless_present = "recording")]
+    #[arg(long, value_name = "sensor,…", value_delimiter = ',', required_unless_present_any = ["recording", "file"])]
     sensors: Vec<String>,
     /// Excitation that is judged beside the best one, such as "steps:4V"
     #[arg(long, value_name = "signal", conflicts_with = "recording")]
     input: Option<String>,
-    /// Recording whose excitation is judged beside the best one (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    /// The recording, as an option
     #[arg(long, value_name = "R.csv")]
     recording: Option<PathBuf>,
     /// Which column holds a signal, where its header does not say; may be repeated
@@ -72,8 +75,15 @@ pub struct Arguments {
     plot: Option<PathBuf>,
 }
 
+impl Arguments {
+    /// The recording, however it is given.
+    fn recording(&self) -> Option<&PathBuf> {
+        self.file.as_ref().or(self.recording.as_ref())
+    }
+}
+
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine]).cloned().collect();
+    let read: Vec<PathBuf> = arguments.recording().into_iter().chain([&arguments.machine]).cloned().collect();
     let targets = [
         ("--out", arguments.out.as_deref(), TEXT),
         ("--firmware", arguments.firmware.as_deref(), SOURCE),
@@ -142,7 +152,7 @@ fn sensors(named: &[String], file: &MachineFile) -> Result<Vec<Sensor>, CliError
 
 fn at_hand(arguments: &Arguments, file: &MachineFile, console: &Console<'_>) -> Result<Option<AtHand>, CliError> {
     let failed = |cause| CliError::Compare { machine: arguments.machine.clone(), cause };
-    if let Some(path) = &arguments.recording {
+    if let Some(path) = arguments.recording() {
         let maps = ChannelMap::from_arguments(arguments.maps.iter().map(String::as_str))?;
         let recording = input::recording(path, &file.channels.clone().overlaid_with(&maps), console)?;
         for note in input::notes(&recording, &file.machine) {

@@ -22,10 +22,11 @@ use simulation::{
 
 use super::Outcome;
 use super::console::{Console, Progress};
-use super::ending::{DRAWING, RECORDING, is_standard_output};
+use super::ending::{DOCUMENT, DRAWING, RECORDING, is_standard_output};
 use super::error::CliError;
 use super::input::{self, MachineArguments};
-use super::target::{check_targets, unwritten, write};
+use super::simulated::{Made, document_of};
+use super::target::{check_one_output, check_targets, tell, unwritten, write};
 
 /// Arguments of `simulate`.
 #[derive(Clone, Debug, clap::Args)]
@@ -41,20 +42,23 @@ Inputs: zero:2s  step:4V,0.5s  steps:4V  sweep:6.5V,0.4Hz,5Hz,4s  random:10V,0.0
 #[command(group(clap::ArgGroup::new("stimulus").required(true).args(["recording", "input"])))]
 pub struct Arguments {
     #[command(flatten)]
-    machine: MachineArguments,
+    pub(super) machine: MachineArguments,
     /// Recording to simulate (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
     #[arg(long, value_name = "R.csv")]
-    recording: Option<PathBuf>,
+    pub(super) recording: Option<PathBuf>,
     /// Signal at the command, such as "step:4V"
     #[arg(long, value_name = "signal")]
-    input: Option<String>,
+    pub(super) input: Option<String>,
     /// Where to write the simulated signals: .csv or .txt, .mat, .parquet; no ending is CSV, and - is CSV to standard output.
     /// A file is there whole or not at all; standard output and a pipe have what came before an error
     #[arg(long, value_name = "S.csv")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
     /// Also draw recorded against simulated
     #[arg(long, value_name = "P.svg", requires = "recording")]
     plot: Option<PathBuf>,
+    /// Write what was simulated, and between which values, for programs; `-` prints it
+    #[arg(long, value_name = "S.json")]
+    json: Option<PathBuf>,
 }
 
 /// What is simulated, checked.
@@ -74,24 +78,27 @@ struct Job {
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let read: Vec<PathBuf> = arguments.recording.iter().chain([&arguments.machine.machine]).cloned().collect();
     let out = Some(arguments.out.as_path()).filter(|out| !is_standard_output(out));
-    check_targets(&[("--out", out, RECORDING), ("--plot", arguments.plot.as_deref(), DRAWING)], &read)?;
+    check_one_output(&arguments.out, arguments.json.as_deref())?;
+    let document = ("--json", arguments.json.as_deref(), DOCUMENT);
+    check_targets(&[("--out", out, RECORDING), ("--plot", arguments.plot.as_deref(), DRAWING), document], &read)?;
     let is_text = matches!(Format::of_extension(&arguments.out), Some(Format::Text) | None);
-    match &arguments.recording {
+    let made = match &arguments.recording {
         Some(path) if is_text && arguments.plot.is_none() => in_parts(arguments, path, console)?,
         _ => at_once(arguments, console)?,
-    }
+    };
+    tell(arguments.json.as_deref(), || document_of(arguments, &made), console)?;
     Ok(Outcome::Done)
 }
 
 /// Simulates a recording part by part and writes each part before the next is read: the memory does not grow with its length.
-fn in_parts(arguments: &Arguments, path: &Path, console: &mut Console<'_>) -> Result<(), CliError> {
+fn in_parts(arguments: &Arguments, path: &Path, console: &mut Console<'_>) -> Result<Made, CliError> {
     let bar = input::bar(&[path.to_owned()], console, "simulating");
     let done = each_part(arguments, path, console, &bar);
     bar.finish_and_clear();
     done
 }
 
-fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar: &Progress) -> Result<(), CliError> {
+fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar: &Progress) -> Result<Made, CliError> {
     let (file, channels) = arguments.machine.read()?;
     // A second handle on the same file shows how far it has been read; a pipe has no position.
     let read = OnceCell::new();
@@ -110,15 +117,16 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     });
     let failed = |cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause };
     let input_point = first_input_point(file.machine.source, &part.recording).map_err(failed)?;
-    let tick = arguments.machine.tick().unwrap_or_else(|| tick_for(&part.recording, &file.machine));
+    let tick = arguments.machine.model.tick().unwrap_or_else(|| tick_for(&part.recording, &file.machine));
     let start = start_in_play(&file.machine, &part.recording, file.load_source, tick, |note| {
         bar.aside(|| console.note(note));
     });
     let mut in_chunks =
-        InChunks::new(&file.machine, input_point, file.load_source, tick, arguments.machine.arithmetic.into())
+        InChunks::new(&file.machine, input_point, file.load_source, tick, arguments.machine.model.arithmetic.into())
             .starting(start);
     let mut out = Target::new(&arguments.out)?;
     let mut ended: Vec<Signal> = Vec::new();
+    let mut made = Made::of(&file.name, input_point, tick);
     loop {
         let mut advance = in_chunks.part(&part).map_err(failed)?;
         for (signal, note) in as_sensed(&part.recording, channels.linkage.as_deref(), &mut advance.trajectory) {
@@ -127,6 +135,7 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
                 ended.push(signal);
             }
         }
+        made.add(&part.recording.time_s()[advance.rows.clone()], &advance.trajectory, &advance.rows);
         let (replaced, added) = along::columns(&part.recording, &advance.trajectory);
         let text = part.recording.csv_rows(&arguments.out, advance.rows, &replaced, &added)?;
         bar.aside(|| out.write(&text, console))?;
@@ -138,7 +147,8 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
         bar.aside(|| input::own_notes(&next.recording).for_each(|note| console.note(note)));
         part = next;
     }
-    out.finish()
+    out.finish()?;
+    Ok(made)
 }
 
 /// Where the rows of a text are written.
@@ -173,7 +183,7 @@ impl Target {
 }
 
 /// Simulates at once what needs the whole recording, or an input signal.
-fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliError> {
+fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<Made, CliError> {
     let job = job(arguments, console)?;
     for note in input::notes(&job.recording, &job.machine).chain(starts_anywhere(&job.recording)) {
         console.note(note);
@@ -201,7 +211,9 @@ fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<(), CliEr
     if let Some((path, svg)) = drawing {
         write(path, svg)?;
     }
-    Ok(())
+    let mut made = Made::of(&job.name, job.input_point, job.tick);
+    made.add(job.recording.time_s(), &simulated, &(0..job.recording.rows()));
+    Ok(made)
 }
 
 /// Where in the play of its sensor the rod starts, told by a note.
@@ -247,7 +259,7 @@ fn written(
 
 fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
     let (file, channels) = arguments.machine.read()?;
-    let (machine, asked) = (file.machine, arguments.machine.tick());
+    let (machine, asked) = (file.machine, arguments.machine.model.tick());
     let (recording, load) = if let Some(path) = &arguments.recording {
         (input::recording(path, &channels, console)?, file.load_source)
     } else {
@@ -271,7 +283,7 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
         recording,
         input_point,
         tick,
-        arithmetic: arguments.machine.arithmetic.into(),
+        arithmetic: arguments.machine.model.arithmetic.into(),
     })
 }
 

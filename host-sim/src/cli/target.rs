@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use recording::files::atomic;
 #[cfg(feature = "virtual-plant")]
 use recording::files::atomic::Begun;
+use serde_json::Value;
 
 use super::console::Console;
 use super::ending::{DOCUMENT, Kind, check_ending, is_standard_output};
@@ -65,6 +66,25 @@ pub(crate) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError
 /// Writes a document for programs to a file; where the path is `-` it is all that the command prints.
 pub(crate) fn write_document(path: &Path, document: &str, console: &mut Console<'_>) -> Result<(), CliError> {
     if is_standard_output(path) { console.print_alone(document.trim_end()) } else { write(path, document) }
+}
+
+/// Writes this document where `--json` asks for it.
+pub(crate) fn tell(
+    path: Option<&Path>,
+    document: impl FnOnce() -> Value,
+    console: &mut Console<'_>,
+) -> Result<(), CliError> {
+    path.map_or(Ok(()), |path| write_document(path, &format!("{:#}\n", document()), console))
+}
+
+/// Checks that standard output is not asked for twice: what `--out -` prints and a document would follow each other.
+pub(crate) fn check_one_output(out: &Path, json: Option<&Path>) -> Result<(), CliError> {
+    match json {
+        Some(json) if is_standard_output(json) && is_standard_output(out) => {
+            Err(CliError::SameTarget { first: "--out", second: "--json", path: json.to_owned() })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Writes files that belong together: the first takes its name when all of them are on disk.

@@ -9,14 +9,16 @@ use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter, Source};
 use recording::Format;
 use recording::excitation::signals::{Dither, Excitation};
+use serde_json::{Value, json};
 use simulation::signal::noise::extent;
 use virtual_plant::sensor::sensors::PositionSensor;
 use virtual_plant::{Bench, Drive, InitialState, Plant, PlantEffect, Sensors, SyntheticRecording, truth_near};
 
 use super::console::Console;
+use super::ending::DOCUMENT;
 use super::error::CliError;
 use super::input::TickArgument;
-use super::target::{check_folder, make_folder, write_together};
+use super::target::{check_folder, check_targets, make_folder, tell, write_together};
 use super::{Outcome, draw};
 
 /// Arguments of `testbed`.
@@ -70,6 +72,9 @@ pub struct Arguments {
     /// Folder to write to; made where it is not there
     #[arg(long, value_name = "folder", required = true)]
     out: Option<PathBuf>,
+    /// Write what was made for programs; `-` prints it in place of the text
+    #[arg(long, value_name = "T.json")]
+    json: Option<PathBuf>,
 }
 
 /// What the test bed can do beside one case as asked for.
@@ -101,6 +106,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     };
     let job = job(arguments, machine)?;
     check_folder(out)?;
+    check_targets(&[("--json", arguments.json.as_deref(), DOCUMENT)], std::slice::from_ref(machine))?;
     refuse_others(out, |name| job.recordings.iter().any(|(own, _)| own == name))?;
     let bar = console.progress(job.recordings.len(), "running the test bed");
     let mut files = job
@@ -122,10 +128,23 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let recordings = files.len();
     files.push((machine, toml));
     write_together(&files)?;
+    tell(arguments.json.as_deref(), || document_of(arguments, &job, out), console)?;
     for (path, _) in files.iter().take(recordings) {
         console.print(path.display())?;
     }
     Ok(Outcome::Done)
+}
+
+/// What was made, for programs.
+fn document_of(arguments: &Arguments, job: &Job, folder: &Path) -> Value {
+    let recording = |(name, _): &(String, Excitation)| json!({ "file": folder.join(name).display().to_string(), "held_out": name.starts_with("holdout-") });
+    json!({
+        "schema": "host-sim/testbed/1",
+        "machine": job.file.name,
+        "machine_file": folder.join("machine.toml").display().to_string(),
+        "seed": arguments.seed,
+        "recordings": job.recordings.iter().map(recording).collect::<Vec<_>>(),
+    })
 }
 
 fn job(arguments: &Arguments, machine: &Path) -> Result<Job, CliError> {

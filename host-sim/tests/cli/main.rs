@@ -20,12 +20,14 @@ mod interrupted;
 mod joint_angle;
 #[cfg(target_os = "linux")]
 mod long;
+mod looks;
 mod plan;
 #[path = "../process/mod.rs"]
 mod process;
 mod processor;
 mod readme;
 mod report;
+mod schemas;
 mod shared;
 mod shipped;
 mod simulate;

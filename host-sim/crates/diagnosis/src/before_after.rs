@@ -1,12 +1,18 @@
-//! Every recording, simulated by the models before and after, for the report of the diagnosis.
+//! Every recording, simulated by the models before and after, for the report of a diagnosis or of a refit.
+
+use std::collections::BTreeMap;
 
 use identification::parallel;
 
 use identification::experiment::Prepared;
 use identification::fit::{Fit, StartState, settle};
 use model_core::machine::{Machine, MachineError};
+use recording::Signal;
 use simulation::figures_of_merit::SignalFit;
 use simulation::{Trajectory, simulate_f64};
+
+/// Mean NRMSE fit of each signal over recordings, %.
+pub type Fits = BTreeMap<&'static str, f64>;
 
 /// Signals of one recording: recorded, and simulated before and after.
 #[derive(Clone, Debug)]
@@ -15,9 +21,9 @@ pub struct Shown {
     pub prepared: Prepared,
     /// Whether it was held out.
     pub held_out: bool,
-    /// Simulated with refitted base parameters.
+    /// Simulated before: in a diagnosis with refitted base parameters, in a refit with the machine file's values.
     pub before: Trajectory,
-    /// Simulated with the effects as well; the same as before if nothing is accepted.
+    /// Simulated after: in a diagnosis with the effects as well, the same as before if nothing is accepted; in a refit with the fitted values.
     pub after: Trajectory,
 }
 
@@ -50,6 +56,50 @@ pub(crate) fn show_all(
     parallel::try_each(together.into_iter().enumerate(), |(index, (prepared, starts))| {
         show(prepared, plain.get(index).copied(), starts, &before.machine, &after.machine)
     })
+}
+
+/// The recordings of a refit: those trained on start after it from their fitted initial states, all others from the state that suits the model best.
+pub(crate) fn show_refit(
+    trained: Vec<(Prepared, StartState)>,
+    held: Vec<Prepared>,
+    before: &Machine<f64>,
+    after: &Machine<f64>,
+) -> Result<Vec<Shown>, MachineError> {
+    let trained = trained.into_iter().map(|(case, start)| (case, Some(start)));
+    let together: Vec<_> = trained.chain(held.into_iter().map(|case| (case, None))).collect();
+    parallel::try_each(together, |(prepared, start)| {
+        let from_before = settle(before, &prepared)?;
+        let from_after = start.map_or_else(|| settle(after, &prepared), Ok)?;
+        Ok(Shown {
+            held_out: start.is_none(),
+            before: simulate_f64(before, &prepared.stimulus, from_before.offset(before, &prepared))?,
+            after: simulate_f64(after, &prepared.stimulus, from_after.offset(after, &prepared))?,
+            prepared,
+        })
+    })
+}
+
+/// Mean NRMSE fit of each signal, before or after, on training or held-out recordings.
+#[must_use]
+pub fn mean_fits(shown: &[Shown], held_out: bool, after: bool) -> Fits {
+    let of = shown.iter().filter(|shown| shown.held_out == held_out);
+    mean(of.flat_map(|shown| shown.fits(after)).map(|fit| (fit.signal, fit.nrmse_percent)))
+}
+
+/// Mean NRMSE fit of each signal that a perfect model would reach, on training or held-out recordings.
+#[must_use]
+pub fn mean_noise_floor(shown: &[Shown], held_out: bool) -> Fits {
+    let channels = shown.iter().filter(|shown| shown.held_out == held_out).flat_map(|shown| &shown.prepared.channels);
+    mean(channels.map(|channel| (channel.signal, channel.noise_floor_percent())))
+}
+
+fn mean(values: impl Iterator<Item = (Signal, f64)>) -> Fits {
+    let mut sums: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
+    for (signal, value) in values {
+        let sum = sums.entry(signal.name()).or_default();
+        *sum = (sum.0 + value, sum.1 + 1.0);
+    }
+    sums.into_iter().map(|(name, (sum, count))| (name, sum / count)).collect()
 }
 
 /// Simulates before and after from the fitted initial states; a held-out recording has none and starts from the state that suits each model best.

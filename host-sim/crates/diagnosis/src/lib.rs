@@ -34,11 +34,11 @@ pub mod structure;
 mod test_scene;
 
 pub use base_parameters::base_parameters;
-pub use before_after::Shown;
+pub use before_after::{Fits, Shown, mean_fits, mean_noise_floor};
 pub use diagnose::{DiagnoseError, Progress, diagnose, diagnose_since, diagnose_with, steps};
 pub use finding::Finding;
 pub use options::Options;
-pub use outcome::{Diagnosis, Fits, Verdict};
+pub use outcome::{Diagnosis, Verdict};
 pub use pressure_zero::read_absolute;
 pub use refit::{Refit, Refitting};
 pub use since::OtherOil;

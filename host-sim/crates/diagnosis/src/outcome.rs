@@ -1,13 +1,10 @@
 //! What a diagnosis says: verdict, findings, place, and every recording with its simulations.
 
-use std::collections::BTreeMap;
-
 use identification::fit::{Correlation, Estimate, Free, Unsettled};
 use model_core::machine::Machine;
-use recording::Signal;
 
 use crate::agreement::{Doubt, FarValue, Tolerated, far_values, has_sensor, not_tolerated, tolerated};
-use crate::before_after::Shown;
+use crate::before_after::{Fits, Shown, mean_fits, mean_noise_floor};
 use crate::catalogue::Hypothesis;
 use crate::correction_table::Unnamed;
 use crate::finding::Finding;
@@ -94,26 +91,21 @@ pub struct Diagnosis {
     pub not_testable: Vec<&'static Hypothesis>,
 }
 
-/// Mean NRMSE fit of each signal over recordings, %.
-pub type Fits = BTreeMap<&'static str, f64>;
-
 impl Diagnosis {
     /// Mean NRMSE fit of each signal, before or after, on training or held-out recordings.
     #[must_use]
     pub fn mean_fits(&self, held_out: bool, after: bool) -> Fits {
-        let fits = self.of(held_out).flat_map(|shown| shown.fits(after)).map(|fit| (fit.signal, fit.nrmse_percent));
-        mean(fits)
+        mean_fits(&self.shown, held_out, after)
     }
 
     /// Mean NRMSE fit that a perfect model would reach on held-out recordings.
     #[must_use]
     pub fn noise_floor(&self, held_out: bool) -> Fits {
-        let channels = self.of(held_out).flat_map(|shown| &shown.prepared.channels);
-        mean(channels.map(|channel| (channel.signal, channel.noise_floor_percent())))
+        mean_noise_floor(&self.shown, held_out)
     }
 
-    fn of(&self, held_out: bool) -> impl Iterator<Item = &Shown> {
-        self.shown.iter().filter(move |shown| shown.held_out == held_out)
+    fn trained(&self) -> impl Iterator<Item = &Shown> {
+        self.shown.iter().filter(|shown| !shown.held_out)
     }
 
     /// Whether the model after differs from the one before: by accepted effects, a force from outside, or a correction table.
@@ -158,7 +150,7 @@ impl Diagnosis {
             self.findings.iter().flat_map(|finding| &finding.parameters).any(|own| own.parameter == one.parameter)
         };
         let mut all = tolerated(&self.base_parameters, &self.refitted);
-        let is_recorded = |one: &Tolerated| has_sensor(self.of(false).map(|shown| &shown.prepared), one.parameter);
+        let is_recorded = |one: &Tolerated| has_sensor(self.trained().map(|shown| &shown.prepared), one.parameter);
         all.retain(|one| !is_found(one) && is_recorded(one));
         all
     }
@@ -173,14 +165,4 @@ impl Diagnosis {
     pub fn example(&self) -> Option<&Shown> {
         self.shown.iter().find(|shown| shown.held_out).or(self.shown.first())
     }
-}
-
-/// Mean of each signal's values.
-fn mean(values: impl Iterator<Item = (Signal, f64)>) -> Fits {
-    let mut sums: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
-    for (signal, value) in values {
-        let sum = sums.entry(signal.name()).or_default();
-        *sum = (sum.0 + value, sum.1 + 1.0);
-    }
-    sums.into_iter().map(|(name, (sum, count))| (name, sum / count)).collect()
 }

@@ -12,6 +12,7 @@ use recording::Recording;
 
 use crate::agreement::{FarValue, Tolerated, far_values, has_sensor, not_tolerated, tolerated};
 use crate::base_parameters::base_parameters;
+use crate::before_after::{Shown, show_refit};
 use crate::diagnose::DiagnoseError;
 use crate::localisation::{Miss, misses};
 
@@ -23,15 +24,18 @@ const PRECISION: f64 = 1e-8;
 pub struct Refitting {
     file: MachineFile,
     prepared: Vec<Prepared>,
+    held_out: Vec<Prepared>,
     free: Vec<Free>,
     near: Fit,
 }
 
 /// A refitted drive.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Refit {
     /// The machine file with the fitted values.
     pub file: MachineFile,
+    /// What may move, and how far the machine file says that it is off.
+    pub base_parameters: Vec<Free>,
     /// The fitted values that are no tolerances, with their standard deviations.
     pub estimates: Vec<Estimate>,
     /// What the fit used of tolerances.
@@ -46,6 +50,8 @@ pub struct Refit {
     pub converged: bool,
     /// The value that moved most, where it did not.
     pub unsettled: Option<Unsettled>,
+    /// Every recording, training first, then held out: simulated with the machine file's values before and after.
+    pub shown: Vec<Shown>,
 }
 
 impl Refitting {
@@ -58,7 +64,17 @@ impl Refitting {
         share_range_ends(&mut prepared.iter_mut().collect::<Vec<_>>());
         let free = base_parameters(file);
         let near = near(&file.machine, &free, &mut prepared)?;
-        Ok(Self { file: file.clone(), prepared, free, near })
+        Ok(Self { file: file.clone(), prepared, held_out: Vec::new(), free, near })
+    }
+
+    /// With recordings that take no part in the fit and show what it is worth. They learn from the others where a sensor's range ends, not the reverse.
+    pub fn with_held_out(mut self, recordings: &[Recording], tick: Option<Tick>) -> Result<Self, DiagnoseError> {
+        for recording in recordings {
+            self.held_out.push(Prepared::new(recording, &self.file.machine, self.file.load_source, tick)?);
+        }
+        let mut trained = self.prepared.clone();
+        share_range_ends(&mut trained.iter_mut().chain(&mut self.held_out).collect::<Vec<_>>());
+        Ok(self)
     }
 
     /// The number of rows of all recordings.
@@ -81,7 +97,8 @@ impl Refitting {
 
     /// Searches; `told` is given the rows of a recording after each of its evaluations.
     pub fn search(self, told: &(dyn Fn(usize) + Sync)) -> Result<Refit, DiagnoseError> {
-        let Self { mut file, prepared, free, near } = self;
+        let Self { mut file, prepared, held_out, free, near } = self;
+        let nominal = file.machine;
         let cases: Vec<&Prepared> = prepared.iter().collect();
         let from = From { solution: Some(&near), ..From::default() };
         let fitted = fit_with_progress(&file.machine, &free, &cases, &from, PRECISION, &|case| told(case.rows()))?;
@@ -95,14 +112,19 @@ impl Refitting {
         let estimates = fitted.estimates(inflation);
         let mut within = tolerated(&free, &estimates);
         within.retain(|one| has_sensor(cases.iter().copied(), one.parameter));
+        let left = misses(&fitted.machine, with_starts())?;
+        let far_values = far_values(&file.machine, &free, &estimates);
+        let trained = prepared.into_iter().zip(fitted.starts.iter().copied()).collect();
         Ok(Refit {
             estimates: not_tolerated(&free, &estimates),
             tolerated: within,
-            far_values: far_values(&file.machine, &free, &estimates),
+            far_values,
             correlations: fitted.correlations(inflation),
-            left: misses(&fitted.machine, with_starts())?,
+            left,
             converged: fitted.converged,
             unsettled: fitted.unsettled(inflation),
+            base_parameters: free,
+            shown: show_refit(trained, held_out, &nominal, &fitted.machine)?,
             file,
         })
     }

@@ -39,6 +39,7 @@ pub use formats::sheet::{Series, WrittenColumn};
 pub use formats::survey::survey;
 pub use formats::surveyed::Surveyed;
 pub use formats::text::lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
+pub use formats::unknown::{UnknownColumn, unknown_columns};
 pub use formats::unsupported::Unsupported;
 pub use linkage::Linkage;
 pub use recording::{At, Column, FromAngle, Note, Recording, median_interval};

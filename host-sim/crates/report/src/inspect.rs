@@ -15,16 +15,7 @@ use crate::wording::{self, recording_advice};
 /// The text of one recording; its table has this number of characters a line, or as many as it needs.
 #[must_use]
 pub fn text(found: &Inspection, width: Option<u16>) -> String {
-    let interval = significant(1e3 * found.stamps.interval_s, 3);
-    let rate = significant(1.0 / found.stamps.interval_s, 3);
-    let mut text = format!(
-        "{}: {} rows, {} s at {rate} Hz ({interval} ms); {} rows missing, {} intervals uneven\n",
-        found.recording,
-        found.rows,
-        significant(found.duration_s, 4),
-        found.stamps.lost,
-        found.stamps.uneven
-    );
+    let mut text = format!("{}: {}\n", found.recording, extent(found));
     for note in &found.notes {
         let _ = writeln!(text, "note: {note}");
     }
@@ -40,40 +31,11 @@ pub fn text(found: &Inspection, width: Option<u16>) -> String {
         let label = if index == 0 { "tests" } else { "" };
         let _ = writeln!(text, "{label:<10} {:<9} {}", link.link.to_string(), reach(link));
     }
-    if let Some(opened) = found.excited.opened {
-        let unit = opened.unit;
-        let shown = |value: f64| significant(unit.from_si(value), 3);
-        let puts = if opened.by == Signal::Command && unit.dimension() == Dimension::Ratio {
-            " puts the spool at"
-        } else {
-            ""
-        };
-        let _ = write!(text, "excited    {}{puts} {} … {} {unit}", opened.by, shown(opened.low), shown(opened.high));
-        let _ = match opened.beyond {
-            Some((retracting, extending)) => writeln!(
-                text,
-                ", beyond the dead zone {} % of the time extending, {} % retracting",
-                significant(100.0 * extending, 2),
-                significant(100.0 * retracting, 2)
-            ),
-            None => writeln!(text, "; give a machine file to see whether this leaves the dead zone"),
-        };
+    if let Some(opened) = opened(found) {
+        let _ = writeln!(text, "excited    {opened}");
     }
-    if let Some(rod) = found.excited.travelled {
-        let stroke = rod
-            .of_stroke
-            .map_or_else(String::new, |share| format!(", {} % of the stroke", significant(100.0 * share, 2)));
-        let as_sampled = if found.unseen.is_some() { " as sampled" } else { "" };
-        let _ = writeln!(
-            text,
-            "           rod {} … {} mm{stroke}, {} … {} mm/s{as_sampled}; moves {} % of the time, holds for {} s at most",
-            significant(1e3 * rod.low_m, 4),
-            significant(1e3 * rod.high_m, 4),
-            significant(1e3 * rod.retracting_m_per_s, 3),
-            significant(1e3 * rod.extending_m_per_s, 3),
-            significant(100.0 * rod.moving, 2),
-            significant(rod.held_s, 2)
-        );
+    if let Some(rod) = travelled(found) {
+        let _ = writeln!(text, "           {rod}");
     }
     if let Some(unseen) = found.unseen {
         let _ = writeln!(text, "unseen     {}", wording::unseen(&unseen));
@@ -82,6 +44,54 @@ pub fn text(found: &Inspection, width: Option<u16>) -> String {
         let _ = writeln!(text, "{:<10} {}", if index == 0 { "advice" } else { "" }, recording_advice(advice));
     }
     text
+}
+
+/// How many rows a recording has, and on which clock.
+pub(crate) fn extent(found: &Inspection) -> String {
+    let interval = significant(1e3 * found.stamps.interval_s, 3);
+    let rate = significant(1.0 / found.stamps.interval_s, 3);
+    format!(
+        "{} rows, {} s at {rate} Hz ({interval} ms); {} rows missing, {} intervals uneven",
+        found.rows,
+        significant(found.duration_s, 4),
+        found.stamps.lost,
+        found.stamps.uneven
+    )
+}
+
+/// How far the valve was opened.
+pub(crate) fn opened(found: &Inspection) -> Option<String> {
+    let opened = found.excited.opened?;
+    let unit = opened.unit;
+    let shown = |value: f64| significant(unit.from_si(value), 3);
+    let is_opening = opened.by == Signal::Command && unit.dimension() == Dimension::Ratio;
+    let puts = if is_opening { " puts the spool at" } else { "" };
+    let told = format!("{}{puts} {} … {} {unit}", opened.by, shown(opened.low), shown(opened.high));
+    Some(match opened.beyond {
+        Some((retracting, extending)) => format!(
+            "{told}, beyond the dead zone {} % of the time extending, {} % retracting",
+            significant(100.0 * extending, 2),
+            significant(100.0 * retracting, 2)
+        ),
+        None => format!("{told}; give a machine file to see whether this leaves the dead zone"),
+    })
+}
+
+/// How far and how fast the rod was moved.
+pub(crate) fn travelled(found: &Inspection) -> Option<String> {
+    let rod = found.excited.travelled?;
+    let stroke =
+        rod.of_stroke.map_or_else(String::new, |share| format!(", {} % of the stroke", significant(100.0 * share, 2)));
+    let as_sampled = if found.unseen.is_some() { " as sampled" } else { "" };
+    Some(format!(
+        "rod {} … {} mm{stroke}, {} … {} mm/s{as_sampled}; moves {} % of the time, holds for {} s at most",
+        significant(1e3 * rod.low_m, 4),
+        significant(1e3 * rod.high_m, 4),
+        significant(1e3 * rod.retracting_m_per_s, 3),
+        significant(1e3 * rod.extending_m_per_s, 3),
+        significant(100.0 * rod.moving, 2),
+        significant(rod.held_s, 2)
+    ))
 }
 
 fn channels(channels: &[InspectedColumn], width: Option<u16>) -> Table {
@@ -118,7 +128,9 @@ fn joined(signals: &[Signal], between: &str) -> String {
     signals.iter().map(|signal| signal.name()).collect::<Vec<_>>().join(between)
 }
 
-pub(crate) fn input_point_name(input_point: InputPoint) -> &'static str {
+/// What documents and texts call the place where a model is driven.
+#[must_use]
+pub fn input_point_name(input_point: InputPoint) -> &'static str {
     match input_point {
         InputPoint::Command => "command",
         InputPoint::Spool => "spool",
@@ -128,7 +140,8 @@ pub(crate) fn input_point_name(input_point: InputPoint) -> &'static str {
     }
 }
 
-fn reach(test: &LinkTest) -> String {
+/// How a recording can test a link, and what is missing to test it otherwise.
+pub(crate) fn reach(test: &LinkTest) -> String {
     let add = names(&test.missing);
     match &test.reach {
         Reach::Alone { input_point, judged } => {
@@ -161,6 +174,9 @@ fn recording(found: &Inspection) -> Value {
             "low": channel.low, "high": channel.high, "noise": channel.noise, "step": channel.step,
             "failed_rows": channel.failed,
             "range_ends": channel.ends.iter().map(|(reading, share)| json!({ "reading": reading, "share": share })).collect::<Vec<_>>(),
+            "marks": channel.marks.iter().map(|mark| json!({
+                "kind": mark.kind.name(), "from_s": mark.from_s, "to_s": mark.to_s, "reading": mark.reading,
+            })).collect::<Vec<_>>(),
         })
     };
     let link = |test: &LinkTest| {
@@ -189,6 +205,7 @@ fn recording(found: &Inspection) -> Value {
     json!({
         "recording": found.recording, "rows": found.rows, "duration_s": found.duration_s,
         "interval_s": found.stamps.interval_s, "rows_missing": found.stamps.lost, "intervals_uneven": found.stamps.uneven,
+        "gaps": found.gaps.iter().map(|(from, to)| json!({ "from_s": from, "to_s": to })).collect::<Vec<_>>(),
         "notes": found.notes, "ignored": found.ignored,
         "source": found.source.name(),
         "channels": found.channels.iter().map(channel).collect::<Vec<_>>(),

@@ -5,6 +5,8 @@ use recording::{Column, Signal, Unit};
 use simulation::sensor_fault::Failures;
 use simulation::signal::noise::{extent, resolution};
 
+use super::marks::{Mark, marks};
+
 /// What was found in one column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InspectedColumn {
@@ -26,6 +28,8 @@ pub struct InspectedColumn {
     pub failed: usize,
     /// What its sensor reads at the ends of its range that it reached, SI, and in which share of the rows.
     pub ends: Vec<(f64, f64)>,
+    /// Where it is suspicious.
+    pub marks: Vec<Mark>,
 }
 
 impl InspectedColumn {
@@ -48,6 +52,7 @@ impl InspectedColumn {
             step: (measured && step > 0.0).then_some(step),
             failed: failures.rows().into_iter().filter(|failed| *failed).count(),
             ends: ends.collect(),
+            marks: marks(time_s, values, &failures),
         }
     }
 

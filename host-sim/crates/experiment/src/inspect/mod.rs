@@ -5,6 +5,7 @@ mod advice;
 mod channels;
 mod command;
 mod excitation;
+mod marks;
 mod testable;
 mod units;
 mod unseen;
@@ -18,6 +19,7 @@ use recording::{Recording, Signal};
 pub use advice::{Advice, Bound, CommandRange, UnitDoubt};
 pub use channels::InspectedColumn;
 pub use excitation::{Excited, Opened, Travelled};
+pub use marks::{Mark, MarkKind};
 pub use testable::{LinkTest, Reach};
 pub use units::unit_doubts;
 pub use unseen::Unseen;
@@ -33,6 +35,8 @@ pub struct Inspection {
     pub duration_s: f64,
     /// What its time stamps show.
     pub stamps: Stamps,
+    /// Stretches without rows, (from, to) in s.
+    pub gaps: Vec<(f64, f64)>,
     /// The known columns but time, in the order of the file.
     pub channels: Vec<InspectedColumn>,
     /// Headers of columns that hold no known signal.
@@ -78,11 +82,13 @@ impl Inspection {
         advice.extend(suspicions.into_iter().filter(|suspicion| !is_explained(suspicion)).map(Advice::Agreement));
         advice.extend(doubts.into_iter().map(Advice::Unit));
         advice.extend(excited.advice(source));
+        let stamps = Stamps::of(time_s);
         Self {
             recording: recording.name().to_owned(),
             rows: recording.rows(),
             duration_s: time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first),
-            stamps: Stamps::of(time_s),
+            gaps: marks::gaps(time_s, stamps.interval_s),
+            stamps,
             channels,
             ignored: recording.ignored().to_vec(),
             notes: recording.notes().iter().map(ToString::to_string).collect(),

@@ -199,6 +199,19 @@ pub fn compare_with_progress(
     Ok(Comparison { recording: recording.name().to_owned(), unsettled_s, ends, sections })
 }
 
+/// Mean NRMSE fit of each signal end to end, %, over all recordings in which it is judged, in the chain's order.
+#[must_use]
+pub fn mean_fits(comparisons: &[Comparison]) -> Vec<(Signal, f64)> {
+    let mut sums: Vec<(Signal, f64, f64)> = Vec::new();
+    for fit in comparisons.iter().filter_map(|comparison| comparison.sections.first()).flat_map(|whole| &whole.fits) {
+        match sums.iter_mut().find(|(signal, ..)| *signal == fit.signal) {
+            Some((_, sum, count)) => (*sum, *count) = (*sum + fit.nrmse_percent, *count + 1.0),
+            None => sums.push((fit.signal, fit.nrmse_percent, 1.0)),
+        }
+    }
+    sums.into_iter().map(|(signal, sum, count)| (signal, sum / count)).collect()
+}
+
 /// The values of the rows that are judged.
 fn kept(series: &[f64], is_judged: &[bool]) -> Vec<f64> {
     series.iter().zip(is_judged).filter(|(_, is_judged)| **is_judged).map(|(value, _)| *value).collect()

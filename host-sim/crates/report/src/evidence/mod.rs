@@ -56,8 +56,8 @@ impl Exhibits {
         let recordings: Vec<&Recording> = training.iter().chain(held_out).collect();
         Ok(Self {
             waterfall: Waterfall::of(&file.machine, diagnosis)?,
-            whiteness: whiteness(diagnosis, &recordings, true),
-            whiteness_before: whiteness(diagnosis, &recordings, false),
+            whiteness: whiteness(&diagnosis.shown, &recordings, true),
+            whiteness_before: whiteness(&diagnosis.shown, &recordings, false),
             separations: separations(diagnosis, file.load_source, &recordings)?,
             preprocessing: diagnosis
                 .shown

@@ -4,10 +4,12 @@
 //! band a correlation is chance: ±2.58/√n for a white residual; with the input by Bartlett's formula, since neighbouring samples
 //! of both are correlated.
 
-use diagnosis::{Diagnosis, Shown};
+use diagnosis::Shown;
+use identification::compare::{Comparison, Section, SectionFit};
 use identification::visible::shows_lag;
 use recording::display_unit::significant;
 use recording::{Recording, Signal};
+use simulation::sensor_fault::Failures;
 use simulation::signal::correlation::lagged_product;
 
 /// Lags on each side, rows.
@@ -99,16 +101,12 @@ fn outside(values: &[f64], band: f64) -> f64 {
 }
 
 /// Every judged signal, of the model `after` or before, over the held-out recordings (the training ones where none is held out). `recordings`
-/// are all that the diagnosis shows, in its order.
+/// are all that are shown, in the same order.
 #[must_use]
-pub(crate) fn whiteness(diagnosis: &Diagnosis, recordings: &[&Recording], after: bool) -> Vec<Whiteness> {
-    let held_out = diagnosis.shown.iter().any(|shown| shown.held_out);
-    let of: Vec<(&Shown, &Recording)> = diagnosis
-        .shown
-        .iter()
-        .zip(recordings.iter().copied())
-        .filter(|(shown, _)| shown.held_out == held_out)
-        .collect();
+pub(crate) fn whiteness(all: &[Shown], recordings: &[&Recording], after: bool) -> Vec<Whiteness> {
+    let held_out = all.iter().any(|shown| shown.held_out);
+    let of: Vec<(&Shown, &Recording)> =
+        all.iter().zip(recordings.iter().copied()).filter(|(shown, _)| shown.held_out == held_out).collect();
     let Some((first, _)) = of.first() else { return Vec::new() };
     let lag_s = first.prepared.duration_s() / (first.prepared.time_s.len().max(2) - 1) as f64;
     first
@@ -129,9 +127,48 @@ fn pair(shown: &Shown, recording: &Recording, signal: Signal, after: bool) -> Op
     let simulated = if after { &shown.after } else { &shown.before }.signal(signal)?;
     let rows = channel.recorded.iter().zip(simulated).zip(&channel.failed).take(MOST_ROWS);
     let missed = rows.map(|((recorded, simulated), failed)| if *failed { 0.0 } else { recorded - simulated }).collect();
+    Some((missed, driving(recording).take(MOST_ROWS).collect()))
+}
+
+/// What drives the drive, as far upstream as it is recorded: the command where there is one.
+fn driving(recording: &Recording) -> impl Iterator<Item = f64> {
     let drives = [Signal::Command, Signal::PumpSpeed, Signal::Spool, Signal::Flow, Signal::Force];
-    let input = drives.into_iter().find_map(|drive| recording.signal(drive)).unwrap_or_default();
-    Some((missed, input.iter().copied().take(MOST_ROWS).collect()))
+    drives.into_iter().find_map(|drive| recording.signal(drive)).unwrap_or_default().iter().copied()
+}
+
+/// Every judged signal of one section of a comparison, over all recordings that have the section; rows where the sensor failed count as zero.
+#[must_use]
+pub(crate) fn of_section(recordings: &[Recording], found: &[Comparison], section: Section) -> Vec<Whiteness> {
+    let here: Vec<(&Recording, &SectionFit, &Comparison)> = recordings
+        .iter()
+        .zip(found)
+        .filter_map(|(recording, found)| {
+            Some((recording, found.sections.iter().find(|known| known.section == section)?, found))
+        })
+        .collect();
+    let Some((first, whole, _)) = here.first() else { return Vec::new() };
+    let lag_s = first.sample_interval_s();
+    // A lag of so many rows is a time only where all rows are as far apart.
+    let is_alike = |recording: &Recording| (recording.sample_interval_s() / lag_s - 1.0).abs() < 0.01;
+    let of_signal = |signal: Signal| {
+        let alike = here.iter().filter(|(recording, ..)| is_alike(recording));
+        let series: Vec<(Vec<f64>, Vec<f64>)> = alike
+            .filter_map(|(recording, fit, found)| {
+                let (recorded, simulated) = (recording.signal(signal)?, fit.trajectory.signal(signal)?);
+                let failed = Failures::of(signal, recording.time_s(), recorded).rows();
+                let begins = recording.time_s()[0] + found.unsettled_s;
+                let rows = recorded.iter().zip(simulated).zip(&failed).zip(recording.time_s()).take(MOST_ROWS);
+                let missed = rows.map(
+                    |(((recorded, simulated), failed), time)| {
+                        if *failed || *time < begins { 0.0 } else { recorded - simulated }
+                    },
+                );
+                Some((missed.collect(), driving(recording).take(MOST_ROWS).collect()))
+            })
+            .collect();
+        correlations(signal, lag_s, &series)
+    };
+    whole.fits.iter().map(|fit| of_signal(fit.signal)).collect()
 }
 
 /// Autocorrelations of residuals and their correlations with the input, over pairs of series.

@@ -34,12 +34,12 @@ impl Budget {
     /// The budget for all recordings that are shown.
     pub(crate) fn of(diagnosis: &Diagnosis) -> Self {
         let panels = diagnosis.shown.iter().map(|shown| shown.prepared.channels.len()).max().unwrap_or(1);
-        Self::shared(diagnosis.shown.len(), panels, diagnosis.changes())
+        Self::shared(diagnosis.shown.len(), panels, if diagnosis.changes() { 2 } else { 1 })
     }
 
-    /// The budget for this number of recordings and panels, each with the traces before and recorded, and after where it differs.
-    fn shared(recordings: usize, panels: usize, changes: bool) -> Self {
-        let (series, traces) = if changes { (3.0, 5.0) } else { (2.0, 3.0) };
+    /// The budget for this number of recordings and panels, each with what was recorded and this number of simulations with their residuals.
+    pub(crate) fn shared(recordings: usize, panels: usize, simulations: usize) -> Self {
+        let (series, traces) = (1.0 + simulations as f64, 1.0 + 2.0 * simulations as f64);
         let per_panel =
             |points: f64, rows: f64| PER_PANEL + PER_POINT * traces * points + PER_NUMBER * (series + 0.5) * rows;
         let most = BYTES / per_panel(POINTS.0, LEAST_ROWS) - BESIDE;
@@ -55,8 +55,8 @@ impl Budget {
     }
 
     /// Whether a recording is drawn: the held-out ones first, then those trained on.
-    pub(crate) fn draws(&self, diagnosis: &Diagnosis, shown: &Shown) -> bool {
-        let first = |held_out: bool| diagnosis.shown.iter().filter(move |other| other.held_out == held_out);
+    pub(crate) fn draws(&self, all: &[Shown], shown: &Shown) -> bool {
+        let first = |held_out: bool| all.iter().filter(move |other| other.held_out == held_out);
         first(true).chain(first(false)).take(self.recordings).any(|drawn| std::ptr::eq(drawn, shown))
     }
 }
@@ -94,7 +94,7 @@ mod tests {
         // The other parts of a page: the library, tables, and pictures of effects, states and correlations.
         let rest = 60_000 + 500_000;
         for recordings in [1, 6, 20, 100] {
-            let budget = Budget::shared(recordings, 4, true);
+            let budget = Budget::shared(recordings, 4, 2);
             let bytes = bytes(budget) * (4 * recordings + 5) / (4 * recordings);
             println!("{recordings} recordings, {budget:?}: {bytes} bytes");
             assert!(bytes + rest < 3_000_000, "{recordings} recordings, {budget:?}: {bytes} bytes");
@@ -103,11 +103,11 @@ mod tests {
 
     #[test]
     fn few_recordings_are_shown_in_full_and_many_in_part() {
-        let few = Budget::shared(6, 4, true);
+        let few = Budget::shared(6, 4, 2);
         assert!(few.recordings == 6 && few.points > 400 && few.rows > 2500, "{few:?}");
-        let many = Budget::shared(20, 4, true);
+        let many = Budget::shared(20, 4, 2);
         assert!(many.recordings == 20 && many.rows >= 300 && many.rows < few.rows, "{many:?}");
-        let crowd = Budget::shared(500, 6, true);
+        let crowd = Budget::shared(500, 6, 2);
         assert!(crowd.recordings < 60 && crowd.recordings > 10, "{crowd:?}");
         for budget in [few, many, crowd] {
             let panels = budget.recordings as f64 * if budget == crowd { 6.0 } else { 4.0 };

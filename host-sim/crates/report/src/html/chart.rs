@@ -9,7 +9,7 @@ use recording::Signal;
 use super::budget::Budget;
 use super::data;
 use super::overlay::{named, panels};
-use crate::plot::{Cells, Figure, Rows, cells, rows, scatter, svg};
+use crate::plot::{Cells, Figure, Panel, Rows, cells, rows, scatter, svg};
 
 /// The page's chart library, and its licence, which must be kept with it.
 const LIBRARY: &str = include_str!("assets/uplot/uPlot.iife.min.js");
@@ -42,12 +42,21 @@ pub(crate) fn on_map(figure: &Cells) -> Markup {
 
 /// Some signals of a recording over time.
 pub(crate) fn over_time(diagnosis: &Diagnosis, shown: &Shown, signals: &[Signal], budget: Budget) -> Markup {
-    let panels = panels(diagnosis, shown, signals, budget.points);
+    under_its_name(shown, &panels(diagnosis, shown, signals, budget.points), budget)
+}
+
+/// Panels of a recording, under its name and what it was used for.
+pub(crate) fn under_its_name(shown: &Shown, panels: &[Panel], budget: Budget) -> Markup {
     let (title, subtitle) = named(shown);
     html! {
         p class="recording" { strong { (title) } " · " (subtitle) }
-        (with_data("overlay", &svg("", "", &panels), &data::time(&panels, budget.rows)))
+        (in_panels(panels, budget.rows))
     }
+}
+
+/// Panels over one time axis, each with at most this number of rows for the script.
+pub(crate) fn in_panels(panels: &[Panel], rows: usize) -> Markup {
+    with_data("overlay", &svg("", "", panels), &data::time(panels, rows))
 }
 
 fn with_data(class: &str, drawing: &str, numbers: &Value) -> Markup {

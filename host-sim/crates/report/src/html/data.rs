@@ -29,7 +29,7 @@ fn one_panel(panel: &Panel, most_rows: usize) -> Value {
         .collect();
     json!({
         "title": panel.title, "unit": panel.unit, "time": times(&panel.time_s, &kept), "traces": traces,
-        "shade": panel.intervals,
+        "shade": panel.intervals, "note": panel.note,
     })
 }
 
@@ -106,12 +106,16 @@ pub(crate) fn for_page(data: &Value) -> String {
 }
 
 fn name(style: Style) -> &'static str {
+    /// As many as there are [`MODELS`](crate::plot::canvas::MODELS).
+    const NAMES: [&str; 6] = ["model-0", "model-1", "model-2", "model-3", "model-4", "model-5"];
     match style {
         Style::Input => "input",
+        Style::Channel => "channel",
         Style::Recorded => "recorded",
         Style::Simulated => "simulated",
         Style::Before => "before",
         Style::After => "after",
+        Style::Model(index) => NAMES[usize::from(index) % NAMES.len()],
     }
 }
 

@@ -65,65 +65,83 @@ fn groups(waterfall: &Waterfall) -> Vec<BarGroup> {
 }
 
 pub(crate) fn whiteness(exhibits: &Exhibits, diagnosis: &Diagnosis) -> Markup {
-    let changes = diagnosis.changes();
-    let pairs = || exhibits.whiteness_before.iter().zip(&exhibits.whiteness);
-    let share = |values: &[f64], outside: f64| {
-        if values.is_empty() { "–".to_owned() } else { format!("{} %", significant(100.0 * outside, 2)) }
-    };
-    let cells = |of: &Whiteness| {
-        html! {
-            td { (share(&of.auto, of.outside())) }
-            td { (share(&of.cross, of.cross_outside())) }
-        }
-    };
+    let before = diagnosis.changes().then_some(exhibits.whiteness_before.as_slice());
+    white(before, &exhibits.whiteness)
+}
+
+/// Whether residuals are white: of the model before, where it differs, and after.
+pub(crate) fn white(before: Option<&[Whiteness]>, after: &[Whiteness]) -> Markup {
+    let pairs = || after.iter().enumerate().map(|(index, after)| (before.and_then(|all| all.get(index)), after));
     html! {
         section {
             h2 { "Is the residual white?" }
             p { "The residual of a good model is correlated neither with its own past nor with the input. Share of lags outside the 99 % band; a white residual has about 1 %." }
             table {
                 tr { th { "signal" }
-                    @if changes { th { "with itself, before" } th { "with the input, before" } th { "with itself, after" } th { "with the input, after" } }
+                    @if before.is_some() { th { "with itself, before" } th { "with the input, before" } th { "with itself, after" } th { "with the input, after" } }
                     @else { th { "with itself" } th { "with the input" } } }
                 @for (before, after) in pairs() {
-                    tr { td { (after.signal.name()) } @if changes { (cells(before)) } (cells(after)) }
+                    tr { td { (after.signal.name()) } @if let Some(before) = before { (shares(before)) } (shares(after)) }
                 }
             }
-            p { @match in_words(&exhibits.whiteness) {
+            p { @match in_words(after) {
                 Some(told) => { "Not white: " (told) "." }
                 None => "The residual is white: no lag is larger than chance allows (99 %).",
             } }
             details {
                 summary { "Correlations" }
                 div class="pair" { @for (before, after) in pairs() {
-                    @let name = title(after.signal);
-                    (chart(&correlation(&format!("{name}: with itself"), after.lag_s, 1, (changes.then_some(&before.auto), &after.auto), after.auto_band)))
-                    @if !after.cross.is_empty() {
-                        @let first = -i32::try_from(after.cross.len() / 2).unwrap_or(0);
-                        (chart(&correlation(&format!("{name}: with the input, first from 0 on"), after.lag_s, first, (changes.then_some(&before.cross), &after.cross), after.cross_band)))
-                    }
+                    @let of = |values: fn(&Whiteness) -> &Vec<f64>| match before {
+                        Some(before) => vec![("before", Style::Before, values(before)), ("after", Style::After, values(after))],
+                        None => vec![("refitted", Style::Before, values(after))],
+                    };
+                    (of_signal(after, &of))
                 } }
             }
         }
     }
 }
 
-/// Correlations over the lag, of the model before where it differs, and after.
-fn correlation(name: &str, lag_s: f64, first: i32, (before, after): (Option<&Vec<f64>>, &[f64]), band: f64) -> Figure {
-    let layer = |label: &str, style, values: &[f64]| {
-        let points = (first..).zip(values).map(|(lag, value)| (1e3 * lag_s * f64::from(lag), *value)).collect();
-        Layer { label: label.to_owned(), style, marks: Marks::Line(points) }
+/// The shares of lags outside the band, as two cells.
+pub(crate) fn shares(of: &Whiteness) -> Markup {
+    let share = |values: &[f64], outside: f64| {
+        if values.is_empty() { "–".to_owned() } else { format!("{} %", significant(100.0 * outside, 2)) }
     };
-    let mut layers: Vec<Layer> = before.into_iter().map(|values| layer("before", Style::Before, values)).collect();
-    layers.push(if before.is_some() {
-        layer("after", Style::After, after)
-    } else {
-        layer("refitted", Style::Before, after)
+    html! {
+        td { (share(&of.auto, of.outside())) }
+        td { (share(&of.cross, of.cross_outside())) }
+    }
+}
+
+/// Name, style and correlations of a model.
+type Named<'a> = (&'a str, Style, &'a Vec<f64>);
+
+/// The correlations of a signal's residual with itself and with the input, each of all models.
+pub(crate) fn of_signal<'a>(
+    signal: &'a Whiteness,
+    models: &dyn Fn(fn(&Whiteness) -> &Vec<f64>) -> Vec<Named<'a>>,
+) -> Markup {
+    let name = title(signal.signal);
+    let first = -i32::try_from(signal.cross.len() / 2).unwrap_or(0);
+    html! {
+        (chart(&correlation(&format!("{name}: with itself"), signal.lag_s, 1, &models(|of| &of.auto), signal.auto_band)))
+        @if !signal.cross.is_empty() {
+            (chart(&correlation(&format!("{name}: with the input, first from 0 on"), signal.lag_s, first, &models(|of| &of.cross), signal.cross_band)))
+        }
+    }
+}
+
+/// Correlations over the lag, of every model.
+fn correlation(name: &str, lag_s: f64, first: i32, models: &[Named<'_>], band: f64) -> Figure {
+    let layers = models.iter().map(|(label, style, values)| {
+        let points = (first..).zip(*values).map(|(lag, value)| (1e3 * lag_s * f64::from(lag), *value)).collect();
+        Layer { label: (*label).to_owned(), style: *style, marks: Marks::Line(points) }
     });
     Figure {
         title: name.to_owned(),
         x: "lag [ms]".to_owned(),
         y: "correlation (shaded: 99 % band)".to_owned(),
-        layers,
+        layers: layers.collect(),
         band: Some(band),
     }
 }

@@ -1,11 +1,15 @@
-//! The diagnosis as one self-contained page: no network, readable on paper and on a phone, with interactive charts where scripts
+//! Diagnosis, inspection, comparison and fit, each as one self-contained page: no network, readable on paper and on a phone, with interactive charts where scripts
 //! run and drawings where they do not.
 
 mod budget;
 mod chart;
+mod compare;
 mod data;
+mod document;
 mod evidence;
 mod findings;
+mod fit;
+mod inspect;
 mod located;
 mod overlay;
 mod parameters;
@@ -13,7 +17,8 @@ mod style;
 
 use budget::Budget;
 use chart::{chart, over_time};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use document::document;
+use maud::{Markup, html};
 use overlay::signals;
 
 use diagnosis::selection::decision_rule::MOSTLY_NOISE_PERCENT;
@@ -26,53 +31,38 @@ use crate::evidence::Exhibits;
 use crate::terminal::{is_structure_wrong, sentence};
 use crate::wording;
 
+pub use compare::{Compared, compare};
+pub use fit::fit;
+pub use inspect::{Inspected, inspect};
 pub use overlay::overlay;
 
-const POLICY: &str =
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
-
-/// The page.
+/// The page of a diagnosis.
 #[must_use]
 pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     let budget = Budget::of(diagnosis);
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                // Whatever a page holds, it must load nothing.
-                meta http-equiv="Content-Security-Policy" content=(POLICY);
-                title { "Diagnosis of " (diagnosis.machine) }
-                style { (PreEscaped(chart::LOOKS)) (PreEscaped(style::STYLE)) }
-            }
-            body {
-                header {
-                    p class="over" { "Diagnosis of " (diagnosis.machine) }
-                    @let said = sentence(diagnosis);
-                    h1 class=(class(diagnosis.verdict)) { (said) @if !said.ends_with('?') { "." } }
-                    (improvement(diagnosis))
-                    (unfinished(diagnosis))
-                    (doubtful(diagnosis))
-                    (outside(diagnosis))
-                }
-                (main_picture(diagnosis, exhibits, budget))
-                @if !is_structure_wrong(diagnosis) { (located::located(diagnosis, exhibits, budget)) }
-                (findings::findings(diagnosis, exhibits))
-                (findings::how_sure(diagnosis, exhibits))
-                (evidence::waterfall(&exhibits.waterfall))
-                (fits(diagnosis))
-                (recordings(diagnosis, budget))
-                (evidence::whiteness(exhibits, diagnosis))
-                (parameters::parameters(diagnosis))
-                (parameters::tolerances(diagnosis))
-                (evidence::prepared(&exhibits.preprocessing))
-                (findings::to_the_controller(diagnosis))
-                (chart::scripts())
-            }
-        }
-    }
-    .into_string()
+    let said = sentence(diagnosis);
+    let top = html! {
+        h1 class=(class(diagnosis.verdict)) { (said) @if !said.ends_with('?') { "." } }
+        (improvement(diagnosis))
+        (unfinished(diagnosis))
+        (doubtful(diagnosis))
+        (outside(diagnosis))
+    };
+    let rest = html! {
+        (main_picture(diagnosis, exhibits, budget))
+        @if !is_structure_wrong(diagnosis) { (located::located(diagnosis, exhibits, budget)) }
+        (findings::findings(diagnosis, exhibits))
+        (findings::how_sure(diagnosis, exhibits))
+        (evidence::waterfall(&exhibits.waterfall))
+        (fits(diagnosis))
+        (recordings(diagnosis, budget))
+        (evidence::whiteness(exhibits, diagnosis))
+        (parameters::parameters(diagnosis))
+        (parameters::tolerances(diagnosis))
+        (evidence::prepared(&exhibits.preprocessing))
+        (findings::to_the_controller(diagnosis))
+    };
+    document(&format!("Diagnosis of {}", diagnosis.machine), &top, &rest)
 }
 
 fn class(verdict: Verdict) -> &'static str {
@@ -220,7 +210,7 @@ fn each(diagnosis: &Diagnosis) -> Markup {
 }
 
 fn recordings(diagnosis: &Diagnosis, budget: Budget) -> Markup {
-    let drawn = |shown: &Shown| budget.draws(diagnosis, shown);
+    let drawn = |shown: &Shown| budget.draws(&diagnosis.shown, shown);
     let left_out = diagnosis.shown.iter().filter(|shown| !drawn(shown)).count();
     html! {
         section {

@@ -31,7 +31,30 @@ pub(crate) fn named(shown: &Shown) -> (&str, &'static str) {
 
 /// A panel for each of these signals, drawn with at most this number of points a trace.
 pub(crate) fn panels(diagnosis: &Diagnosis, shown: &Shown, signals: &[Signal], points: usize) -> Vec<Panel> {
-    let changes = diagnosis.changes();
+    let after = diagnosis.changes().then_some("after");
+    let mut panels = before_and_after(shown, signals, (diagnosis.before_is_called(), after), points);
+    for (panel, signal) in panels.iter_mut().zip(signals_of(shown, signals)) {
+        let located = diagnosis.located.as_ref().filter(|location| location.signal == signal);
+        for interval in located.into_iter().flat_map(|location| &location.intervals) {
+            if interval.recording == shown.prepared.name && !shown.held_out {
+                panel.intervals.push((interval.from_s, interval.to_s));
+            }
+        }
+    }
+    panels
+}
+
+fn signals_of<'a>(shown: &'a Shown, signals: &'a [Signal]) -> impl Iterator<Item = Signal> + 'a {
+    shown.prepared.channels.iter().map(|channel| channel.signal).filter(|signal| signals.contains(signal))
+}
+
+/// A panel for each of these signals: recorded, before and, where that has a name, after; with residuals.
+pub(crate) fn before_and_after(
+    shown: &Shown,
+    signals: &[Signal],
+    (before_is, after_is): (&str, Option<&str>),
+    points: usize,
+) -> Vec<Panel> {
     let channels = shown.prepared.channels.iter().filter(|channel| signals.contains(&channel.signal));
     channels
         .map(|channel| {
@@ -44,16 +67,10 @@ pub(crate) fn panels(diagnosis: &Diagnosis, shown: &Shown, signals: &[Signal], p
                 Style::Recorded,
             ));
             if let Some(before) = shown.before.signal(channel.signal) {
-                panel = panel.trace(Trace::new(diagnosis.before_is_called(), readable(before), Style::Before));
+                panel = panel.trace(Trace::new(before_is, readable(before), Style::Before));
             }
-            if let Some(after) = shown.after.signal(channel.signal).filter(|_| changes) {
-                panel = panel.trace(Trace::new("after", readable(after), Style::After));
-            }
-            let located = diagnosis.located.as_ref().filter(|location| location.signal == channel.signal);
-            for interval in located.into_iter().flat_map(|location| &location.intervals) {
-                if interval.recording == shown.prepared.name && !shown.held_out {
-                    panel = panel.shade(interval.from_s, interval.to_s);
-                }
+            if let (Some(after), Some(name)) = (shown.after.signal(channel.signal), after_is) {
+                panel = panel.trace(Trace::new(name, readable(after), Style::After));
             }
             Panel { points: Some(points), ..panel }.residuals()
         })

@@ -2,8 +2,10 @@
 
 use maud::{Markup, html};
 
-use diagnosis::Diagnosis;
+use diagnosis::agreement::Tolerated;
+use diagnosis::{Diagnosis, Refit};
 use identification::fit::{Estimate, Free, Freedom};
+use model_core::machine::Machine;
 use recording::display_unit::significant;
 
 use crate::size::size;
@@ -40,7 +42,7 @@ pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
                         td { (deviation(estimate)) }
                         td { (description.unit) }
                         td { (moved(estimate)) }
-                        td class="text" { (why(estimate, prior(diagnosis, estimate), changes.then(|| alone(estimate)))) }
+                        td class="text" { (why(estimate, prior(&diagnosis.base_parameters, estimate), changes.then(|| alone(estimate)))) }
                     }
                 }
             }
@@ -49,20 +51,46 @@ pub(crate) fn parameters(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
+/// The values of a refit: the machine file's, the fitted ones with their deviation, how far each moved and what that says.
+pub(crate) fn fitted(refit: &Refit) -> Markup {
+    html! {
+        table class="wide" {
+            tr { th { "parameter" } th { "machine file" } th { "fitted" } th { "±" } th { "unit" } th { "moved" } th class="text" { "why" } }
+            @for estimate in &refit.estimates {
+                @let description = estimate.parameter.description();
+                tr {
+                    td title=(description.meaning) { (description.key) }
+                    td { (number(estimate.before, 4)) }
+                    td { (number(estimate.value, 4)) }
+                    td { (deviation(estimate)) }
+                    td { (description.unit) }
+                    td { (moved(estimate)) }
+                    td class="text" { (why(estimate, prior(&refit.base_parameters, estimate), None)) }
+                }
+            }
+        }
+        @if let Some(pairs) = correlated(&refit.correlations) { p { "Estimates " (pairs) "." } }
+    }
+}
+
 /// What the fit used of tolerances.
 pub(crate) fn tolerances(diagnosis: &Diagnosis) -> Markup {
-    let tolerated = diagnosis.tolerances();
+    within_tolerances(&diagnosis.machine_after, &diagnosis.tolerances())
+}
+
+/// What a fit of this drive used of tolerances.
+pub(crate) fn within_tolerances(machine: &Machine<f64>, tolerated: &[Tolerated]) -> Markup {
     if tolerated.is_empty() {
         return html! {};
     }
-    let sized = |parameter, value| size(&diagnosis.machine_after, parameter, value);
+    let sized = |parameter, value| size(machine, parameter, value);
     html! {
         section {
             h2 { (WITHIN) }
             p class="soft" { "What every installed drive has within its drawing: the fit may use it up to the limit of the machine file." }
             table class="wide" {
                 tr { th { "tolerance" } th { "value" } th { "±" } th { "limit" } th { "unit" } th { "used" } th class="text" { "size" } }
-                @for one in &tolerated {
+                @for one in tolerated {
                     tr {
                         td title=(one.parameter.description().key) { (tolerated_thing(one.parameter)) }
                         td { (number(one.value, 3)) }
@@ -79,8 +107,8 @@ pub(crate) fn tolerances(diagnosis: &Diagnosis) -> Markup {
 }
 
 /// What the machine file says of a value.
-fn prior<'a>(diagnosis: &'a Diagnosis, estimate: &Estimate) -> Option<&'a Free> {
-    diagnosis.base_parameters.iter().find(|free| free.parameter == estimate.parameter)
+fn prior<'a>(all: &'a [Free], estimate: &Estimate) -> Option<&'a Free> {
+    all.iter().find(|free| free.parameter == estimate.parameter)
 }
 
 /// Change relative to the value in the machine file.

@@ -1,6 +1,7 @@
 //! A comparison as JSON, schema `host-sim/comparison/1`: SI units, as in a machine file.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use serde_json::{Value, json};
 
@@ -29,6 +30,18 @@ pub fn comparison(file: &MachineFile, comparisons: &[Comparison]) -> Value {
         "not_judged": unjudged(comparisons).iter().map(wording::unjudged).collect::<Vec<_>>(),
         "obstacles": missing,
     })
+}
+
+/// The document of several machine files on the same recordings, schema `host-sim/comparisons/1`; of one, that of [`comparison`].
+#[must_use]
+pub fn comparisons(drives: &[(&Path, &MachineFile, &[Comparison])]) -> Value {
+    if let [(_, file, found)] = drives {
+        return comparison(file, found);
+    }
+    let machines = drives.iter().map(
+        |(path, file, found)| json!({ "file": path.display().to_string(), "comparison": comparison(file, found) }),
+    );
+    json!({ "schema": "host-sim/comparisons/1", "machines": machines.collect::<Vec<_>>() })
 }
 
 fn recording(found: &Comparison) -> Value {

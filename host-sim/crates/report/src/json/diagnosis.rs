@@ -373,7 +373,7 @@ fn finding_of(diagnosis: &Diagnosis, exhibits: &Exhibits, finding: &Finding) -> 
     found
 }
 
-fn rounded(fits: &diagnosis::Fits) -> Value {
+pub(super) fn rounded(fits: &diagnosis::Fits) -> Value {
     fits.iter()
         .map(|(name, fit)| ((*name).to_owned(), json!(digits(*fit, 6))))
         .collect::<serde_json::Map<_, _>>()

@@ -6,6 +6,6 @@ mod evidence;
 mod refit;
 mod structure;
 
-pub use comparison::comparison;
+pub use comparison::{comparison, comparisons};
 pub use diagnosis::document;
 pub use refit::refit;

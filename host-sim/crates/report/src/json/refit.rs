@@ -2,15 +2,22 @@
 
 use serde_json::{Value, json};
 
-use diagnosis::Refit;
 use diagnosis::localisation::Miss;
+use diagnosis::{Refit, mean_fits, mean_noise_floor};
 
-use super::diagnosis::{correlation, estimate, far_value, still_above_noise, tolerance, unsettled};
+use super::diagnosis::{correlation, estimate, far_value, rounded, still_above_noise, tolerance, unsettled};
 use crate::terminal::missed;
 
 /// The document.
 #[must_use]
 pub fn refit(refit: &Refit) -> Value {
+    let fits = |held_out: bool| {
+        json!({
+            "before": rounded(&mean_fits(&refit.shown, held_out, false)),
+            "after": rounded(&mean_fits(&refit.shown, held_out, true)),
+            "noise_floor": rounded(&mean_noise_floor(&refit.shown, held_out)),
+        })
+    };
     json!({
         "schema": "host-sim/fit/1",
         "machine": refit.file.name,
@@ -25,5 +32,6 @@ pub fn refit(refit: &Refit) -> Value {
             "signals": still_above_noise(&refit.left),
             "is_above_noise": refit.left.iter().any(Miss::is_above_noise),
         },
+        "fit": { "train": fits(false), "holdout": fits(true) },
     })
 }

@@ -38,6 +38,16 @@ pub(crate) const FRAME: RGBColor = RGBColor(176, 183, 191);
 pub(crate) const PAPER: RGBColor = RGBColor(255, 255, 255);
 pub(crate) const SHADE: RGBAColor = RGBAColor(255, 193, 7, 0.28);
 
+/// Colours of several simulations, told apart by eyes that confuse red and green; the page's style has the same.
+pub(crate) const MODELS: [RGBColor; 6] = [
+    RGBColor(0, 96, 176),
+    RGBColor(214, 96, 0),
+    RGBColor(0, 133, 92),
+    RGBColor(178, 60, 140),
+    RGBColor(138, 106, 0),
+    RGBColor(90, 70, 190),
+];
+
 pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(crate) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
@@ -107,7 +117,6 @@ fn heading(area: &Area<'_>, panel: &Panel, top: i32) -> Drawn {
     let y = top + 17;
     let title = format!("{} [{}]", panel.title, panel.unit);
     write(area, &title, (LEFT, y), 15, INK, HPos::Left)?;
-    write(area, &panel.note, (LEFT + text_width(&title, 15) + 18, y + 2), 13, FAINT_INK, HPos::Left)?;
     let mut right = RIGHT;
     for trace in panel.traces.iter().rev() {
         let (_, look) = look(trace.style);
@@ -116,7 +125,18 @@ fn heading(area: &Area<'_>, panel: &Panel, top: i32) -> Drawn {
         area.draw(&PathElement::new(vec![fine((right - 26, y + 8)), fine((right, y + 8))], look))?;
         right -= 26 + 22;
     }
-    Ok(())
+    let left = LEFT + text_width(&title, 15) + 18;
+    write(area, &fitting(&panel.note, right - left, 13), (left, y + 2), 13, FAINT_INK, HPos::Left)
+}
+
+/// As much of a text as is about this wide, px.
+fn fitting(text: &str, width: i32, size: i32) -> String {
+    if text_width(text, size) <= width {
+        return text.to_owned();
+    }
+    let mut shorter: String = text.to_owned();
+    while shorter.pop().is_some() && text_width(&shorter, size) + size > width {}
+    if shorter.is_empty() { shorter } else { shorter.trim_end().to_owned() + "…" }
 }
 
 /// Axes, grid, shaded intervals and lines between two heights.
@@ -172,8 +192,10 @@ pub(crate) fn look(style: Style) -> (RGBColor, ShapeStyle) {
     let (colour, width) = match style {
         Style::Input => (RGBColor(110, 98, 84), 1.4),
         Style::Recorded => (RGBColor(173, 181, 189), 4.0),
+        Style::Channel => (RGBColor(0, 96, 176), 1.2),
         Style::Simulated | Style::After => (RGBColor(0, 96, 176), 1.5),
         Style::Before => (RGBColor(214, 96, 0), 1.5),
+        Style::Model(index) => (MODELS[usize::from(index) % MODELS.len()], 1.5),
     };
     (colour, line(colour, width))
 }

@@ -31,7 +31,7 @@ pub use canvas::svg;
 pub use cells::{Cells, cells};
 pub use curve::{Mark, Series, curve};
 pub use grid::{Cell, Grid, grid};
-pub use recorded::panels;
+pub use recorded::{panels, panels_of};
 pub(crate) use recorded::{title, within_title};
 pub use rows::{Row, Rows, rows};
 pub use scatter::{Figure, Layer, Marks, RangeBin, scatter};
@@ -42,6 +42,8 @@ pub(crate) use thin::kept_rows;
 pub enum Style {
     /// What drives the model: thin, grey-brown.
     Input,
+    /// A channel by itself, with nothing beside it: thin, blue.
+    Channel,
     /// A measurement: broad and light, so that what lies on it stays visible.
     Recorded,
     /// A simulation: thin, blue.
@@ -50,6 +52,15 @@ pub enum Style {
     Before,
     /// A simulation after something was changed: thin, blue.
     After,
+    /// One of several simulations, counted from 0: thin, a colour of its own.
+    Model(u8),
+}
+
+impl Style {
+    /// Whether it is a simulation, which has a residual.
+    pub(crate) const fn is_simulation(self) -> bool {
+        matches!(self, Style::Simulated | Style::Before | Style::After | Style::Model(_))
+    }
 }
 
 /// One line of a chart.
@@ -125,7 +136,7 @@ impl Panel {
     pub fn residuals(mut self) -> Self {
         let recorded = self.traces.iter().find(|trace| trace.style == Style::Recorded);
         self.residuals = recorded.map_or_else(Vec::new, |recorded| {
-            let simulations = |trace: &&Trace| matches!(trace.style, Style::Simulated | Style::Before | Style::After);
+            let simulations = |trace: &&Trace| trace.style.is_simulation();
             let minus = |trace: &Trace| -> Vec<f64> {
                 recorded.values.iter().zip(&trace.values).map(|(measured, model)| measured - model).collect()
             };

@@ -1,7 +1,7 @@
 //! The panels of a recording beside its simulation.
 
 use recording::display_unit::{percent, unit_for_people, unit_of};
-use recording::{Recording, Signal};
+use recording::{Recording, Signal, Unit};
 use simulation::figures_of_merit::SignalFit;
 use simulation::{InputPoint, Trajectory};
 
@@ -11,31 +11,57 @@ use super::{Panel, Style, Trace};
 /// residual below.
 #[must_use]
 pub fn panels(recording: &Recording, input_point: InputPoint, simulated: &Trajectory, judged: &[Signal]) -> Vec<Panel> {
-    let time_s = recording.time_s();
-    let unit_in = |signal: Signal| recording.column(signal).map_or_else(|| unit_for_people(signal), unit_of);
-    let readable = |signal: Signal, values: &[f64]| -> Vec<f64> {
-        let unit = unit_in(signal);
-        values.iter().map(|value| unit.from_si(*value)).collect()
-    };
-    let empty = |signal: Signal| {
-        let unit = unit_in(signal);
-        let unit = if signal == Signal::Spool { "% of travel" } else { unit.symbol() };
-        Panel::new(title(signal), unit, time_s.to_vec())
-    };
+    panels_of(recording, input_point, &[("simulated", simulated)], judged)
+}
+
+/// The same of several simulations, each with its name: all of them over each other in every panel.
+#[must_use]
+pub fn panels_of(
+    recording: &Recording,
+    input_point: InputPoint,
+    simulated: &[(&str, &Trajectory)],
+    judged: &[Signal],
+) -> Vec<Panel> {
     let signal = input_point.driving();
     let input = recording.signal(signal).map(|values| {
-        empty(signal).trace(Trace::new("recorded, drives the model", readable(signal, values), Style::Input))
+        let trace = Trace::new("recorded, drives the model", readable(recording, signal, values), Style::Input);
+        empty(recording, signal).trace(trace)
     });
     let compared = judged.iter().filter_map(|&signal| {
-        let (measured, model) = (recording.signal(signal)?, simulated.signal(signal)?);
-        let fit = SignalFit::of(signal, time_s, measured, model);
-        let panel = empty(signal)
-            .note(&format!("NRMSE fit {} %", percent(fit.nrmse_percent)))
-            .trace(Trace::new("recorded", readable(signal, measured), Style::Recorded))
-            .trace(Trace::new("simulated", readable(signal, model), Style::Simulated));
-        Some(panel.residuals())
+        let measured = recording.signal(signal)?;
+        let mut panel = empty(recording, signal).trace(Trace::new(
+            "recorded",
+            readable(recording, signal, measured),
+            Style::Recorded,
+        ));
+        let mut fits = Vec::new();
+        for ((index, (name, trajectory)), number) in simulated.iter().enumerate().zip(0_u8..) {
+            let Some(model) = trajectory.signal(signal) else { continue };
+            let fit = percent(SignalFit::of(signal, recording.time_s(), measured, model).nrmse_percent);
+            let style = if simulated.len() == 1 { Style::Simulated } else { Style::Model(number) };
+            panel = panel.trace(Trace::new(name, readable(recording, signal, model), style));
+            fits.push(if index == 0 { format!("NRMSE fit {fit} %") } else { format!("{fit} %") });
+        }
+        (!fits.is_empty()).then(|| panel.note(&fits.join(", ")).residuals())
     });
     input.into_iter().chain(compared).collect()
+}
+
+/// Values in the unit in which the recording has the signal.
+fn readable(recording: &Recording, signal: Signal, values: &[f64]) -> Vec<f64> {
+    let unit = unit_in(recording, signal);
+    values.iter().map(|value| unit.from_si(*value)).collect()
+}
+
+fn unit_in(recording: &Recording, signal: Signal) -> Unit {
+    recording.column(signal).map_or_else(|| unit_for_people(signal), unit_of)
+}
+
+/// A panel of a signal, without traces.
+fn empty(recording: &Recording, signal: Signal) -> Panel {
+    let unit = unit_in(recording, signal);
+    let unit = if signal == Signal::Spool { "% of travel" } else { unit.symbol() };
+    Panel::new(title(signal), unit, recording.time_s().to_vec())
 }
 
 /// A signal's name within a heading: its first letter is small, but a chamber's letter stays a capital.

@@ -15,7 +15,7 @@ use crate::size::size;
 use crate::wording;
 use tables::{fits, trials, waterfall};
 
-pub use tables::{parameters, tolerances, uncertainty};
+pub use tables::{held_out_fits, parameters, tolerances, uncertainty};
 
 /// The whole text.
 #[must_use]

@@ -2,11 +2,11 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, Table};
 
-use diagnosis::Diagnosis;
 use diagnosis::agreement::Tolerated;
+use diagnosis::{Diagnosis, Fits, Shown, mean_fits, mean_noise_floor};
 use identification::fit::Estimate;
 use model_core::machine::Machine;
-use recording::display_unit::{TABLE, significant};
+use recording::display_unit::{TABLE, percent, significant};
 
 use crate::evidence::Exhibits;
 use crate::size::size;
@@ -95,6 +95,19 @@ pub fn parameters(estimates: &[Estimate]) -> Table {
         ]);
     }
     table
+}
+
+/// The mean fit of each signal on held-out recordings, with the values before and after; `None` where none was held out.
+#[must_use]
+pub fn held_out_fits(shown: &[Shown]) -> Option<Table> {
+    let (before, after) = (mean_fits(shown, true, false), mean_fits(shown, true, true));
+    let floor = mean_noise_floor(shown, true);
+    let mut table = table(&["held out, NRMSE fit %", "nominal", "fitted", "noise floor"]);
+    let cell = |fits: &Fits, signal: &str| fits.get(signal).map_or_else(String::new, |fit| percent(*fit));
+    for signal in before.keys() {
+        table.add_row([(*signal).to_owned(), cell(&before, signal), cell(&after, signal), cell(&floor, signal)]);
+    }
+    (!before.is_empty()).then_some(table)
 }
 
 /// What a fit used of tolerances, in the units of the hall; `None` where there are none.

@@ -20,14 +20,15 @@ mod unit;
 
 pub use cause::{CAUSES, Cause, cause};
 pub use change::{TRADED, change, doubt_of_then, found, most_changed, other_oil, unchanged};
-pub use comparison::{obstacle, unjudged};
+pub use comparison::{obstacle, sentences, unjudged};
 pub use doubt::doubt;
 pub(crate) use far_value::moved;
 pub use far_value::{far_value, far_values};
 pub use finding::{advice, claimed, correction_table, correlation, jumps};
 pub use location::{error_shape, region, spool_habit};
 pub use outside::{outside_cause, outside_explains, outside_kind};
-pub use recordings::{range_end, recording_advice, taken_as_absolute, unseen, unsettled};
+pub(crate) use recordings::about;
+pub use recordings::{marks, range_end, recording_advice, taken_as_absolute, unseen, unsettled};
 pub use simulated::{linkage_ends, sensor_ends, starts_anywhere, starts_in_play};
 pub use still_moving::still_moving;
 pub use structure::{shown, structure, structure_shown, yardstick};

@@ -1,7 +1,7 @@
 //! What is worth a look in a recording.
 
 use diagnosis::agreement::Suspicion;
-use experiment::inspect::{Advice, Unseen};
+use experiment::inspect::{Advice, Mark, MarkKind, UnitDoubt, Unseen};
 use model_core::machine::Source;
 use recording::display_unit::{significant, unit_for_people};
 use recording::{Note, Signal};
@@ -98,6 +98,75 @@ pub fn range_end(signal: Signal, reading: f64, share: f64) -> String {
     let unit = unit_for_people(signal);
     let (reading, percent) = (significant(unit.from_si(reading), 4), significant(100.0 * share, 2));
     format!("{signal} reads {reading} {unit}, the end of its sensor's range, in {percent} % of the rows")
+}
+
+/// Where a channel is suspicious, a sentence for each kind of mark.
+#[must_use]
+pub fn marks(signal: Signal, marks: &[Mark]) -> Vec<String> {
+    /// So many are told by their times.
+    const TOLD: usize = 3;
+    let unit = unit_for_people(signal);
+    let read = |si: f64| format!("{} {unit}", significant(unit.from_si(si), 4));
+    let time = |seconds: f64| significant(seconds, 3);
+    let of_kind = |kind: MarkKind| marks.iter().filter(move |mark| mark.kind == kind).collect::<Vec<_>>();
+    let said = |kind: MarkKind| {
+        let here = of_kind(kind);
+        let first = here.first()?;
+        let stretch = |mark: &&&Mark| {
+            if mark.from_s < mark.to_s {
+                format!("{} to {} s", time(mark.from_s), time(mark.to_s))
+            } else {
+                format!("at {} s", time(mark.from_s))
+            }
+        };
+        let stretches: Vec<String> = here.iter().take(TOLD).map(|mark| stretch(&mark)).collect();
+        let more = if here.len() > TOLD { format!(" and {} times more", here.len() - TOLD) } else { String::new() };
+        Some(match kind {
+            MarkKind::Spike if here.len() == 1 => {
+                format!("a spike at {} s, to {}", time(first.from_s), read(first.reading))
+            }
+            MarkKind::Spike => {
+                let times: Vec<String> = here.iter().take(TOLD).map(|mark| time(mark.from_s)).collect();
+                format!(
+                    "{} spikes, at {} s{}",
+                    here.len(),
+                    times.join(", "),
+                    if more.is_empty() { "" } else { " and on" }
+                )
+            }
+            MarkKind::Dropout => {
+                format!("the sensor drops out, to {}: {}{more}", read(first.reading), stretches.join(", "))
+            }
+            MarkKind::Stuck => {
+                format!("the sensor is stuck at {}: {}{more}", read(first.reading), stretches.join(", "))
+            }
+            MarkKind::RangeEnd => format!(
+                "clipped at {}, the end of the sensor's range: {}{more}",
+                read(first.reading),
+                stretches.join(", ")
+            ),
+        })
+    };
+    MarkKind::ALL.into_iter().filter_map(said).collect()
+}
+
+/// The signal that a piece of advice is about, where it is one.
+#[must_use]
+pub(crate) fn about(advice: &Advice) -> Option<Signal> {
+    match advice {
+        Advice::Constant { signal, .. } | Advice::RangeEnd { signal, .. } => Some(*signal),
+        Advice::Unit(UnitDoubt::Beyond { signal, .. }) => Some(*signal),
+        Advice::Unit(UnitDoubt::Current { .. }) => Some(Signal::Command),
+        Advice::Unit(UnitDoubt::SpoolTravel { .. }) => Some(Signal::Spool),
+        Advice::Agreement(Suspicion::RunsAgainst(signal) | Suspicion::MovesOtherwise(signal, _)) => Some(*signal),
+        Advice::NeverOpens { by } | Advice::OpensOneWay { by, .. } => Some(*by),
+        Advice::Unit(UnitDoubt::Speed { .. })
+        | Advice::Agreement(Suspicion::PressuresCrossed)
+        | Advice::DoesNotMove
+        | Advice::MovesOneWay
+        | Advice::LittleTravel
+        | Advice::NeverHolds { .. } => None,
+    }
 }
 
 /// What follows from a recording that does not begin at rest, where a part of its state is not measured.

@@ -102,6 +102,74 @@
     return axis({ size: LEFT, space: height < 120 ? 20 : 32 });
   }
 
+  /** The range of all traces in the part that is shown, switched off or not: nothing jumps when one is switched off. */
+  function ofAll(plot) {
+    var rows = plot.series[0].idxs || [0, plot.data[0].length - 1];
+    var low = Infinity, high = -Infinity;
+    plot.data.slice(1).forEach(function (values) {
+      for (var row = rows[0]; row <= rows[1]; row++) {
+        var value = values[row];
+        if (value === null || value === undefined || !isFinite(value)) continue;
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+    });
+    return low > high ? [0, 1] : uPlot.rangeNum(low, high, 0.1, true);
+  }
+
+  // ---- zoom without a mouse ----
+
+  /** Shows a part of the time, within what is recorded; null shows all. */
+  function show(plot, from, to) {
+    var times = plot.data[0], first = times[0], last = times[times.length - 1];
+    if (from === null || to - from >= last - first) { from = first; to = last; }
+    if (from < first) { to += first - from; from = first; }
+    if (to > last) { from -= to - last; to = last; }
+    if (to > from) plot.setScale("x", { min: from, max: to });
+  }
+
+  /** Keys of a chart that has the focus: + and −, arrows, 0 or Escape for all. */
+  function keys(place, plot) {
+    place.tabIndex = 0;
+    place.setAttribute("role", "group");
+    place.setAttribute("aria-label", "chart: + and - zoom, arrows move, 0 shows all");
+    place.addEventListener("keydown", function (event) {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      var from = plot.scales.x.min, to = plot.scales.x.max, part = (to - from) / 4;
+      if (event.key === "+" || event.key === "=") show(plot, from + part, to - part);
+      else if (event.key === "-") show(plot, from - 2 * part, to + 2 * part);
+      else if (event.key === "ArrowLeft") show(plot, from - part, to - part);
+      else if (event.key === "ArrowRight") show(plot, from + part, to + part);
+      else if (event.key === "0" || event.key === "Escape") show(plot, null, null);
+      else return;
+      event.preventDefault();
+    });
+  }
+
+  /** A finger that moves sideways chooses a part; one that moves up or down scrolls the page; a double tap shows all. */
+  function fingers(plot) {
+    var over = plot.over, began = null;
+    over.style.touchAction = "pan-y";
+    function at(event) { return Math.min(Math.max(event.clientX - over.getBoundingClientRect().left, 0), over.clientWidth); }
+    function choose(left, right) {
+      plot.setSelect({ left: left, top: 0, width: right - left, height: right > left ? over.clientHeight : 0 }, false);
+    }
+    over.addEventListener("pointerdown", function (event) {
+      if (event.pointerType === "touch") began = at(event);
+    });
+    over.addEventListener("pointermove", function (event) {
+      if (began !== null && event.pointerType === "touch") choose(Math.min(began, at(event)), Math.max(began, at(event)));
+    });
+    over.addEventListener("pointerup", function (event) {
+      if (began === null || event.pointerType !== "touch") return;
+      var left = Math.min(began, at(event)), right = Math.max(began, at(event));
+      began = null;
+      choose(0, 0);
+      if (right - left > 15) show(plot, plot.posToVal(left, "x"), plot.posToVal(right, "x"));
+    });
+    over.addEventListener("pointercancel", function () { began = null; choose(0, 0); });
+  }
+
   /** Shaded rectangles under the traces, each [left, right, bottom, top] in values; null reaches to the edge. */
   function shades(rectangles) {
     return function (plot) {
@@ -162,12 +230,13 @@
       busy = false;
     }
 
-    function chart(title, unit, time, traces, shade, height, last) {
+    function chart(title, unit, time, traces, shade, height, last, note) {
       place.appendChild(element("p", "panel", title));
+      if (note) place.appendChild(element("p", isAlone(traces) ? "remark" : "quantity", note));
       var options = {
         width: width,
         height: height + (last ? 50 : 28),
-        scales: { x: { time: false } },
+        scales: { x: { time: false }, y: { range: ofAll } },
         legend: legend(traces.map(function (trace) { return stroke(trace.style); })),
         cursor: {
           drag: { x: true, y: false },
@@ -205,6 +274,11 @@
       };
       var plot = new uPlot(options, [time].concat(traces.map(function (trace) { return trace.values; })), place);
       shown.push(plot);
+      fingers(plot);
+    }
+
+    function isAlone(traces) {
+      return traces.every(function (trace) { return trace.style === "input" || trace.style === "channel"; });
     }
 
     data.panels.forEach(function (panel, index) {
@@ -215,11 +289,12 @@
         return { label: trace.label, style: trace.style, values: series[at] };
       });
       var missed = residuals(panel.traces, series);
-      chart(panel.title + " [" + panel.unit + "]", panel.unit, time, traces, panel.shade, 170, last && !missed.length);
+      chart(panel.title + " [" + panel.unit + "]", panel.unit, time, traces, panel.shade, isAlone(traces) ? 110 : 170, last && !missed.length, panel.note);
       if (missed.length) {
         chart("recorded − simulated [" + panel.unit + "]", panel.unit, time, missed, panel.shade, 112, last);
       }
     });
+    if (shown.length) keys(place, shown[0]);
     return shown;
   }
 
@@ -272,7 +347,7 @@
     var options = {
       width: Math.min(width, 680),
       height: 380,
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: ofAll } },
       legend: legend(data.layers.map(ofLayer)),
       cursor: {
         drag: { x: true, y: true, uni: 12 },
@@ -396,6 +471,8 @@
     };
     plot = new uPlot(options, columns, place);
     place.appendChild(switches);
+    keys(place, plot);
+    fingers(plot);
     return [plot];
   }
 
