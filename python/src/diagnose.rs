@@ -9,7 +9,8 @@ use machine_file::MachineFile;
 use model_core::machine::Machine as Values;
 use pyo3::prelude::*;
 use report::evidence::Exhibits;
-use report::{html, json, terminal, wording};
+use report::html::{self, About};
+use report::{json, terminal, wording};
 
 use crate::commands::{judged_of, tick};
 use crate::error::{OrRaise, Refused};
@@ -135,7 +136,7 @@ impl Diagnosed {
 
     /// What it writes with `--report`.
     fn page(&self) -> String {
-        html::page(&self.diagnosis, &self.exhibits)
+        html::page(&self.diagnosis, &self.exhibits, &About::default())
     }
 
     /// The machine with refitted parameters and the effects found.

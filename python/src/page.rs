@@ -9,7 +9,7 @@ use experiment::inspect::Inspection;
 use identification::compare::Comparison;
 use machine_file::MachineFile;
 use pyo3::prelude::*;
-use report::html::{self, Compared, Inspected};
+use report::html::{self, About, Compared, Inspected};
 
 /// What a page is made of.
 #[derive(Debug)]
@@ -36,9 +36,9 @@ impl Page {
         match &self.of {
             Of::Inspection(machine, recordings, found) => inspection(machine.as_deref(), recordings, found),
             Of::Comparison(file, recordings, comparisons) => {
-                html::compare(&[Compared { label: &file.name, file, recordings, comparisons }])
+                html::compare(&[Compared { label: &file.name, file, recordings, comparisons }], &About::default())
             }
-            Of::Fit(refit, recordings) => html::fit(refit, &recordings.iter().collect::<Vec<_>>()),
+            Of::Fit(refit, recordings) => html::fit(refit, &recordings.iter().collect::<Vec<_>>(), &About::default()),
         }
     }
 }
@@ -53,5 +53,5 @@ fn inspection(machine: Option<&str>, recordings: &[Arc<Held>], found: &[Inspecti
         .zip(&unknown)
         .map(|((found, recording), unknown)| Inspected { found, recording, unknown })
         .collect();
-    html::inspect(machine, &inspected)
+    html::inspect(machine, &inspected, &About::default())
 }

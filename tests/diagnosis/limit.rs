@@ -43,7 +43,7 @@ fn a_search_that_is_ended_by_its_limit_claims_nothing_and_says_what_it_did_not_t
             let searched = &found.selection.searched;
             let told = exhibits(&case, &found);
             let (text, document) = (terminal::text(&found, &told), json::document(&found, &told));
-            let page = html::page(&found, &told);
+            let page = html::page(&found, &told, &html::About::default());
             if searched.is_finished() {
                 assert_eq!(found.verdict, whole.verdict, "{share}");
                 assert!(document["unfinished"].is_null() && !text.contains("not tried"), "{text}");

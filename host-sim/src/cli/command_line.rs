@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::ffi::OsString;
+use std::fmt;
 use std::num::{ParseFloatError, ParseIntError};
 use std::ops::Range;
 
@@ -51,6 +52,13 @@ impl Explained for Mistyped {
     }
     fn expected(&self) -> String {
         self.expected.clone()
+    }
+}
+
+impl fmt::Display for CommandLine {
+    /// As it may be typed again.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
     }
 }
 

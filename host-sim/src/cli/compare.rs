@@ -20,6 +20,7 @@ use report::wording::{range_end, sentences, unsettled};
 use simulation::Trajectory;
 
 use super::Outcome;
+use super::about::about;
 use super::console::{Console, Tone};
 use super::ending::{DOCUMENT, DRAWING, PAGE, check_ending};
 use super::error::CliError;
@@ -106,7 +107,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if let Some(path) = &arguments.report {
         let compared: Vec<Compared<'_>> =
             drives.iter().zip(&labels).map(|(drive, label)| drive.as_compared(label)).collect();
-        write(path, html::compare(&compared))?;
+        write(path, html::compare(&compared, &about(&arguments.machine)))?;
     }
     for (path, svg) in plots.iter().zip(drawings_of(&drives, &labels)) {
         write(path, svg)?;

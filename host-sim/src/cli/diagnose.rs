@@ -1,6 +1,7 @@
 //! `host-sim diagnose`: find the misfit, name the missing physics, show how the fit improves.
 
 use std::path::{Path, PathBuf};
+use std::slice;
 
 use diagnosis::agreement::follower;
 use diagnosis::{Diagnosis, Options, Verdict, base_parameters, diagnose_with, read_absolute, steps};
@@ -13,6 +14,7 @@ use report::evidence::Exhibits;
 use report::{html, json, terminal, wording};
 use simulation::is_driven_by_pressures;
 
+use super::about::about;
 use super::console::{Console, Progress, Tone};
 use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE};
 use super::error::CliError;
@@ -141,7 +143,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         after.save(path)?;
     }
     if let Some(path) = &job.report {
-        write(path, html::page(&diagnosis, &exhibits))?;
+        write(path, html::page(&diagnosis, &exhibits, &about(slice::from_ref(&job.machine))))?;
     }
     if let (Some(path), Some(shown)) = (&arguments.plot, diagnosis.example()) {
         write(path, html::overlay(&diagnosis, shown))?;

@@ -1,6 +1,7 @@
 //! `host-sim fit`: refit the base parameters of a drive to recordings.
 
 use std::path::PathBuf;
+use std::slice;
 
 use diagnosis::localisation::Miss;
 use diagnosis::{DiagnoseError, Refit, Refitting, read_absolute};
@@ -8,6 +9,7 @@ use identification::compare::judged;
 use recording::{ChannelMap, PressureZero, Recording, Signal};
 use report::{html, json, terminal, wording};
 
+use super::about::about;
 use super::console::Console;
 use super::diagnose::check_distinct;
 use super::ending::{DOCUMENT, MACHINE, PAGE};
@@ -104,7 +106,10 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         write_document(path, &format!("{:#}\n", json::refit(&refit)), console)?;
     }
     if let Some(path) = &arguments.report {
-        write(path, html::fit(&refit, &recordings.iter().collect::<Vec<_>>()))?;
+        write(
+            path,
+            html::fit(&refit, &recordings.iter().collect::<Vec<_>>(), &about(slice::from_ref(&arguments.machine))),
+        )?;
     }
     tell(&refit, console)?;
     Ok(Outcome::Done)

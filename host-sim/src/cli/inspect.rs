@@ -8,6 +8,7 @@ use recording::files::source_error::Explained;
 use recording::{ChannelMap, Recording, RecordingError, UnknownColumn, guess, survey, unknown_columns};
 use report::html::{self, Inspected};
 
+use super::about::about;
 use super::console::Console;
 use super::ending::{DOCUMENT, PAGE};
 use super::error::CliError;
@@ -66,7 +67,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         write_document(path, &format!("{:#}\n", report::inspect::document(&found)), console)?;
     }
     if let Some(path) = &arguments.report {
-        write(path, page(&arguments.recordings, &recordings, &found, file.as_ref()))?;
+        write(path, page(arguments, &recordings, &found, file.as_ref()))?;
     }
     let texts: Vec<String> = found.iter().map(|found| report::inspect::text(found, console.width)).collect();
     console.print(texts.join("\n").trim_end())?;
@@ -78,9 +79,10 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 }
 
 /// The page of recordings that were read from these files.
-fn page(paths: &[PathBuf], recordings: &[Recording], found: &[Inspection], file: Option<&MachineFile>) -> String {
+fn page(arguments: &Arguments, recordings: &[Recording], found: &[Inspection], file: Option<&MachineFile>) -> String {
     // A file that could be read once and no longer, such as a pipe, shows its known channels alone.
-    let unknown: Vec<Vec<UnknownColumn>> = paths
+    let unknown: Vec<Vec<UnknownColumn>> = arguments
+        .recordings
         .iter()
         .zip(recordings)
         .map(|(path, recording)| unknown_columns(path, recording).unwrap_or_default())
@@ -91,7 +93,7 @@ fn page(paths: &[PathBuf], recordings: &[Recording], found: &[Inspection], file:
         .zip(&unknown)
         .map(|((found, recording), unknown)| Inspected { found, recording, unknown })
         .collect();
-    html::inspect(file.map(|file| file.name.as_str()), &inspected)
+    html::inspect(file.map(|file| file.name.as_str()), &inspected, &about(arguments.machine.as_slice()))
 }
 
 /// Where no header is known, the error with what the columns may hold.

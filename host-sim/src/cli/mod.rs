@@ -3,6 +3,7 @@
 //! Results are plain data from the other modules of the library; what is printed here is a view of them. Exit status: 0 done, 1 by
 //! `--exit-code`, 2 it could not be done, with one message on standard error, 130 interrupted by Ctrl-C.
 
+mod about;
 mod ask;
 mod command_line;
 pub mod compare;

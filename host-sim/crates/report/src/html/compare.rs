@@ -9,6 +9,7 @@ use recording::display_unit::{difference, percent};
 use recording::{Recording, Signal};
 use simulation::Trajectory;
 
+use super::about::About;
 use super::budget::Budget;
 use super::chart::in_panels;
 use super::document::{READING, document, prose};
@@ -55,7 +56,7 @@ impl<'a> Compared<'a> {
 
 /// The page of machine files on the same recordings: at least one of each.
 #[must_use]
-pub fn compare(all: &[Compared<'_>]) -> String {
+pub fn compare(all: &[Compared<'_>], about: &About) -> String {
     let labels: Vec<&str> = all.iter().map(|one| one.label).collect();
     let recordings = all.first().map_or(&[][..], |one| one.recordings);
     let of = match recordings {
@@ -78,7 +79,12 @@ pub fn compare(all: &[Compared<'_>]) -> String {
         @for section in &here { (section_of(all, *section, budget)) }
         (white(all, &here))
     };
-    document(&format!("Comparison of {} with {of}", labels.join(" and ")), &top, &rest)
+    document(
+        &format!("Comparison of {} with {of}", labels.join(" and ")),
+        (about, &[("Recordings", recordings.iter().map(Recording::name).collect())]),
+        &top,
+        &rest,
+    )
 }
 
 /// One drive: its weakest part. Several: how many signals each fits best.

@@ -1,7 +1,11 @@
 //! What every page begins and ends with.
 
+use std::fmt::Write;
+
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use super::about::{About, Used, about};
+use super::spoken::spoken;
 use super::{chart, style};
 
 const POLICY: &str =
@@ -15,9 +19,10 @@ pub(crate) fn prose(text: &str) -> Markup {
     html! { @for (index, part) in text.split('`').enumerate() { @if index % 2 == 1 { code { (part) } } @else { (part) } } }
 }
 
-/// A page with this title: what stands at its top, and the rest.
-pub(crate) fn document(title: &str, top: &Markup, rest: &Markup) -> String {
-    html! {
+/// A page with this title: what stands at its top, and the rest, with a list of the rest's headings before it.
+pub(crate) fn document(title: &str, (made, recordings): (&About, &Used<'_>), top: &Markup, rest: &Markup) -> String {
+    let (contents, rest) = with_contents(&rest.0);
+    let page = html! {
         (DOCTYPE)
         html lang="en" {
             head {
@@ -31,12 +36,37 @@ pub(crate) fn document(title: &str, top: &Markup, rest: &Markup) -> String {
             body {
                 header {
                     p class="over" { (title) }
+                    (about(made, recordings))
                     (top)
                 }
-                (rest)
+                (contents)
+                (PreEscaped(rest))
                 (chart::scripts())
             }
         }
+    };
+    spoken(&page.0)
+}
+
+/// What stands before and behind a heading of the first level below the page's own.
+const HEADING: (&str, &str) = ("<h2>", "</h2>");
+
+/// The list of a text's headings, and the text with a place at each of them to go to.
+fn with_contents(text: &str) -> (Markup, String) {
+    let mut parts = text.split(HEADING.0);
+    let mut result = parts.next().unwrap_or_default().to_owned();
+    let mut headings = Vec::new();
+    for (index, part) in parts.enumerate() {
+        // A heading is text alone, escaped already.
+        headings.push(part.split_once(HEADING.1).map_or(part, |(heading, _)| heading));
+        let _ = write!(result, "<h2 id=\"part-{index}\">{part}");
     }
-    .into_string()
+    let contents = html! {
+        @if headings.len() > 1 {
+            nav class="contents" aria-label="Contents" {
+                ul { @for (index, heading) in headings.iter().enumerate() { li { a href=(format!("#part-{index}")) { (PreEscaped(heading)) } } } }
+            }
+        }
+    };
+    (contents, result)
 }

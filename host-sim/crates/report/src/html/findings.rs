@@ -4,11 +4,12 @@ use std::fmt::Write;
 
 use maud::{Markup, html};
 
-use diagnosis::catalogue::short_name;
+use diagnosis::catalogue::{Kind, short_name};
 use diagnosis::selection::Confirmation;
 use diagnosis::{Diagnosis, Finding, Verdict};
 use experiment::discriminate::Separation;
-use model_core::machine::Source;
+use model_core::effects::Effect;
+use model_core::machine::{Parameter, Source};
 use recording::display_unit::significant;
 
 use super::chart::chart;
@@ -17,6 +18,35 @@ use crate::evidence::Exhibits;
 use crate::size::size;
 use crate::terminal::still_missing;
 use crate::wording;
+
+/// What was found, as the people at the machine know it, with its size and what to check; and what is left.
+pub(crate) fn in_words(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @for finding in &diagnosis.findings {
+            @if let Some(cause) = Effect::named(finding.effect.name).map(wording::cause) {
+                div class="finding" {
+                    p { strong { (capital(cause.happens)) } @if let Some(size) = size_of(diagnosis, finding) { ": " (size) } "." }
+                    p { "Check " (cause.check) "." }
+                }
+            }
+        }
+        @if !diagnosis.findings.is_empty() && !diagnosis.left.is_empty() { p class="fact" { (still_missing(diagnosis)) "." } }
+    }
+}
+
+/// How large a finding is: the change of what was there already, or the amount of what is new.
+fn size_of(diagnosis: &Diagnosis, finding: &Finding) -> Option<String> {
+    let sizes = finding.parameters.iter().filter_map(|estimate| {
+        Some((estimate.parameter, size(&diagnosis.machine_after, estimate.parameter, estimate.value)?))
+    });
+    let is_amount = |parameter: Parameter| {
+        let mut of_effect = finding.effect.effect_parameters();
+        of_effect.any(|of| of.parameter == parameter && matches!(of.kind, Kind::Amount(_) | Kind::Signed(_)))
+    };
+    let sizes: Vec<_> = sizes.collect();
+    let amount = sizes.iter().find(|(parameter, _)| is_amount(*parameter)).or(sizes.first());
+    wording::change(&diagnosis.machine_after, finding).or(amount.map(|(_, size)| size.to_string()))
+}
 
 pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
     html! {
@@ -58,7 +88,6 @@ pub(crate) fn findings(diagnosis: &Diagnosis, exhibits: &Exhibits) -> Markup {
                 p class="soft" { "Source: " (finding.effect.source) "." }
             }
         }
-        @if !diagnosis.findings.is_empty() && !diagnosis.left.is_empty() { p class="fact" { (still_missing(diagnosis)) "." } }
     }
 }
 

@@ -7,12 +7,14 @@ use diagnosis::{Fits, Refit, Shown, mean_fits, mean_noise_floor};
 use recording::Recording;
 use recording::display_unit::{difference, percent};
 
+use super::about::About;
 use super::budget::Budget;
 use super::chart::under_its_name;
 use super::document::{READING, document};
 use super::evidence::white;
 use super::overlay::{before_and_after, signals};
 use super::parameters::{fitted, within_tolerances};
+use super::used;
 use crate::evidence::whiteness::whiteness;
 use crate::terminal::missed;
 use crate::wording;
@@ -22,7 +24,7 @@ const NAMES: (&str, Option<&str>) = ("machine file", Some("fitted"));
 
 /// The page. `recordings` are all that the refit shows, in its order.
 #[must_use]
-pub fn fit(refit: &Refit, recordings: &[&Recording]) -> String {
+pub fn fit(refit: &Refit, recordings: &[&Recording], about: &About) -> String {
     let panels = refit.shown.iter().map(|shown| shown.prepared.channels.len()).max().unwrap_or(1);
     let budget = Budget::shared(refit.shown.len(), panels, 2);
     let held_out = refit.shown.iter().any(|shown| shown.held_out);
@@ -52,7 +54,7 @@ pub fn fit(refit: &Refit, recordings: &[&Recording]) -> String {
         (each(&refit.shown, budget))
         (white(Some(&whiteness(&refit.shown, recordings, false)), &whiteness(&refit.shown, recordings, true)))
     };
-    document(&format!("Fit of {}", refit.file.name), &top, &rest)
+    document(&format!("Fit of {}", refit.file.name), (about, &used(&refit.shown)), &top, &rest)
 }
 
 fn gains(refit: &Refit, held_out: bool) -> Markup {

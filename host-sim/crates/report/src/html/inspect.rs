@@ -6,6 +6,7 @@ use experiment::inspect::{InspectedColumn, Inspection, LinkTest, Reach};
 use recording::display_unit::{difference, significant};
 use recording::{Recording, Signal, UnknownColumn};
 
+use super::about::About;
 use super::budget::Budget;
 use super::chart::in_panels;
 use super::document::{READING, document, prose};
@@ -26,7 +27,7 @@ pub struct Inspected<'a> {
 
 /// The page of some recordings, looked at beside this machine file where there is one.
 #[must_use]
-pub fn inspect(machine: Option<&str>, all: &[Inspected<'_>]) -> String {
+pub fn inspect(machine: Option<&str>, all: &[Inspected<'_>], about: &About) -> String {
     let of = match all {
         [one] => one.found.recording.clone(),
         several => format!("{} recordings", several.len()),
@@ -52,7 +53,12 @@ pub fn inspect(machine: Option<&str>, all: &[Inspected<'_>]) -> String {
             }
         }
     };
-    document(&format!("Inspection of {of}{beside}"), &top, &rest)
+    document(
+        &format!("Inspection of {of}{beside}"),
+        (about, &[("Recordings", all.iter().map(|one| one.found.recording.as_str()).collect())]),
+        &top,
+        &rest,
+    )
 }
 
 /// How many links can be tested, each by the recording that tests it best.
@@ -233,7 +239,7 @@ fn channels(channels: &[InspectedColumn]) -> Markup {
                     @let value = |si: f64| significant(channel.unit.from_si(si), 4);
                     @let small = |si: Option<f64>| si.map_or_else(|| "–".to_owned(), |si| difference(channel.signal, si));
                     tr {
-                        td { (channel.signal) } td class="text" { (channel.header) }
+                        td { (channel.signal) } td class="text" { code { (channel.header) } }
                         td { (value(channel.low)) } td { (value(channel.high)) } td { (channel.unit) }
                         td { (small(channel.noise)) } td { (small(channel.step)) } td { (channel.failed) }
                     }

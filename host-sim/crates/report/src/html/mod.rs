@@ -1,6 +1,7 @@
 //! Diagnosis, inspection, comparison and fit, each as one self-contained page: no network, readable on paper and on a phone, with interactive charts where scripts
 //! run and drawings where they do not.
 
+mod about;
 mod budget;
 mod chart;
 mod compare;
@@ -13,6 +14,7 @@ mod inspect;
 mod located;
 mod overlay;
 mod parameters;
+mod spoken;
 mod style;
 
 use budget::Budget;
@@ -31,6 +33,7 @@ use crate::evidence::Exhibits;
 use crate::terminal::{is_structure_wrong, sentence};
 use crate::wording;
 
+pub use about::About;
 pub use compare::{Compared, compare};
 pub use fit::fit;
 pub use inspect::{Inspected, inspect};
@@ -38,11 +41,12 @@ pub use overlay::overlay;
 
 /// The page of a diagnosis.
 #[must_use]
-pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
+pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits, about: &About) -> String {
     let budget = Budget::of(diagnosis);
     let said = sentence(diagnosis);
     let top = html! {
         h1 class=(class(diagnosis.verdict)) { (said) @if !said.ends_with('?') { "." } }
+        (findings::in_words(diagnosis))
         (improvement(diagnosis))
         (unfinished(diagnosis))
         (doubtful(diagnosis))
@@ -50,7 +54,7 @@ pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
     };
     let rest = html! {
         (main_picture(diagnosis, exhibits, budget))
-        @if !is_structure_wrong(diagnosis) { (located::located(diagnosis, exhibits, budget)) }
+        @if !is_structure_wrong(diagnosis) && diagnosis.verdict != Verdict::NothingMissing { (located::located(diagnosis, exhibits, budget)) }
         (findings::findings(diagnosis, exhibits))
         (findings::how_sure(diagnosis, exhibits))
         (evidence::waterfall(&exhibits.waterfall))
@@ -62,7 +66,15 @@ pub fn page(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
         (evidence::prepared(&exhibits.preprocessing))
         (findings::to_the_controller(diagnosis))
     };
-    document(&format!("Diagnosis of {}", diagnosis.machine), &top, &rest)
+    document(&format!("Diagnosis of {}", diagnosis.machine), (about, &used(&diagnosis.shown)), &top, &rest)
+}
+
+/// The recordings by their use.
+fn used(shown: &[Shown]) -> [(&'static str, Vec<&str>); 2] {
+    let names = |held_out: bool| {
+        shown.iter().filter(|shown| shown.held_out == held_out).map(|shown| shown.prepared.name.as_str()).collect()
+    };
+    [("Training", names(false)), ("Held out", names(true))]
 }
 
 fn class(verdict: Verdict) -> &'static str {

@@ -12,6 +12,9 @@ body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(
 header { margin-bottom: 1rem; }
 h1 { font-size: 1.45rem; line-height: 1.3; margin: 0; padding-left: .7rem; border-left: 6px solid #8888; text-wrap: pretty; }
 h1.remarks { border-color: #e0a800; } h1.missing { border-color: #d66000; } h1.nothing { border-color: #2b8a3e; } h1.unexplained { border-color: #b02a37; }
+.about { display: grid; grid-template-columns: max-content 1fr; gap: 0 .8rem; margin: .2rem 0 1rem; font-size: .8rem; color: var(--faint); } .about dd { margin: 0; overflow-wrap: anywhere; } .about code { font-size: .75rem; }
+.finding { margin: .9rem 0 0; padding-left: .7rem; border-left: 6px solid #d6600055; } .finding p { margin: .1rem 0; }
+.contents ul { display: flex; flex-wrap: wrap; gap: .1rem 1.2rem; list-style: none; padding: .4rem 0; margin: 1rem 0 0; border-top: 1px solid var(--line); border-bottom: 1px solid var(--line); font-size: .875rem; } .contents a { color: var(--accent); text-decoration: none; }
 h2 { font-size: 1.15rem; margin: 2.4rem 0 .4rem; padding-bottom: .2rem; border-bottom: 1px solid var(--line); } h3 { font-size: 1rem; margin: 1.4rem 0 .2rem; }
 p { margin: .4rem 0; } .over { color: var(--faint); margin: 0 0 .2rem; } .soft { color: var(--faint); font-size: .875rem; }
 .gains { list-style: none; display: flex; flex-wrap: wrap; gap: .5rem 2rem; padding: 0; margin: .8rem 0 0; }
@@ -24,7 +27,7 @@ figure { margin: .8rem 0; overflow-x: auto; } figure svg { width: 100%; height: 
 .overlay svg { min-width: 600px; } .chart svg { max-width: 640px; } .bars svg { max-width: 800px; min-width: 520px; }
 .live:not(.drawn) > svg { display: none; } .recording { margin: .8rem 0 0; } figure .panel { font-weight: 600; font-size: .875rem; margin: .5rem 0 .1rem; }
 figure .remark { font-size: .8rem; margin: .1rem 0 .2rem; padding-left: .5rem; border-left: 4px solid #e0a800; } figure .quantity { color: var(--faint); font-size: .8rem; margin: 0; } .uplot { max-width: 100%; } .uplot .u-legend { font-size: .8rem; text-align: left; margin: 0; color: var(--ink); }
-.u-legend tr { margin-right: .9rem; } .u-legend th, .u-legend td { border: 0; padding: .1rem .2rem; } .u-legend td { min-width: 4.5rem; text-align: left; }
+.u-legend.u-inline.u-live th::after { content: none; } .u-legend tr { margin-right: .9rem; } .u-legend th, .u-legend td { border: 0; padding: .1rem .2rem; } .u-legend td { min-width: 4.5rem; text-align: left; }
 .u-legend .branch { display: none; } .u-legend, .u-legend tbody { display: block; overflow: visible; } .u-select { background: color-mix(in srgb, var(--accent) 18%, transparent); }
 .switches { font-size: .8rem; margin: .2rem 0; min-height: 1.6rem; } .switches button { font: inherit; color: inherit; background: none; border: 0; cursor: pointer; padding: .1rem .8rem .1rem .2rem; font-weight: 600; }
 .switches button::before { content: ''; display: inline-block; width: 1em; height: 1em; margin-right: .3em; vertical-align: -.1em; background: var(--mark); } .switches button[aria-pressed=false] { opacity: .35; }
@@ -38,7 +41,7 @@ ul.fact { padding-left: 1.6rem; } .fact.remark { border-left: 4px solid #e0a800;
 code, pre { font: .875rem/1.45 ui-monospace, monospace; } pre { padding: .7rem .9rem; background: var(--soft); border-radius: 4px; overflow-x: auto; }
 summary { cursor: pointer; padding: .35rem 0; } details { border-bottom: 1px solid var(--line); }
 @media print { body { max-width: none; padding: 0; font-size: 13px; } figure, tr, .fact, pre { break-inside: avoid; } h1, h2, h3, summary, .recording { break-after: avoid; } h2 { margin-top: 1.4rem; }
-  table { display: table; font-size: .8rem; } td.text, .wide td.text { min-width: 0; } th, td { white-space: normal; padding-right: .7rem; } .pair { grid-template-columns: 1fr 1fr; } .overlay svg { max-height: 20cm; }
+  .contents { display: none; } table { display: table; font-size: .8rem; } td.text, .wide td.text { min-width: 0; } th, td { white-space: normal; padding-right: .7rem; } .pair { grid-template-columns: 1fr 1fr; } .overlay svg { max-height: 20cm; }
   details::details-content { content-visibility: visible; block-size: auto; }
   :root { --ink: #000; --paper: #fff; --faint: #444; --accent: #0060b0; color-scheme: light; } .live > svg { display: block !important; } .plots, .told { display: none; }
   figure svg { filter: none !important; } .overlay svg, .chart svg, .bars svg { min-width: 0; } }

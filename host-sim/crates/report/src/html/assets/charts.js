@@ -35,7 +35,7 @@
 
   /** A number with about five digits, as people write it. */
   function readable(value) {
-    if (value === null || value === undefined || !isFinite(value)) return "–";
+    if (value === null || value === undefined || !isFinite(value)) return "";
     var size = Math.abs(value);
     if (size !== 0 && (size < 1e-4 || size >= 1e7)) return value.toExponential(3);
     var decimals = size === 0 ? 0 : Math.max(0, Math.min(6, 4 - Math.floor(Math.log10(size))));
@@ -44,7 +44,7 @@
 
   function withUnit(value, unit) {
     var text = readable(value);
-    return unit && text !== "–" ? text + " " + unit : text;
+    return unit && text !== "" ? text + " " + unit : text;
   }
 
   /** "velocity [mm/s]" → ["velocity", "mm/s"]. */
