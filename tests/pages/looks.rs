@@ -233,7 +233,7 @@ fn a_fit_shows_its_values_and_what_they_are_worth_on_held_out_recordings() {
     let parameters = texts(&mut browser, "section:first-of-type td:first-child");
     assert!(parameters.iter().any(|name| name == "cylinder.bulk_modulus_pa"), "{parameters:?}");
     let rows = texts(&mut browser, "td:first-child");
-    assert!(rows.iter().any(|row| row == "held out · pressure_a"), "{rows:?}");
+    assert!(rows.iter().any(|row| row == "held out · pressure A"), "{rows:?}");
     let open = texts(&mut browser, "details[open] > summary");
     assert!(open.len() == 1 && open[0].starts_with("holdout-1.csv (held out)"), "{open:?}");
 }

@@ -21,13 +21,16 @@ const NAMED: usize = 12;
 
 pub(crate) fn about(about: &About, recordings: &Used<'_>) -> Markup {
     let version = env!("CARGO_PKG_VERSION");
+    let counted = recordings.iter().map(|(_, names)| names.len()).sum::<usize>();
     html! {
-        dl class="about" {
-            dt { "Made" } dd { @if let Some(written) = &about.written { (written) ", " } "host-sim " (version) }
-            @if let Some(command) = &about.command { dt { "Command" } dd { code { (command) } } }
-            @if !about.machine_files.is_empty() { dt { "Machine file" } dd { (about.machine_files.join(", ")) } }
-            @for (used, names) in recordings.iter().filter(|(_, names)| !names.is_empty()) {
-                dt { (used) } dd { @if names.len() > NAMED { (names.len()) " recordings" } @else { (names.join(", ")) } }
+        details class="about" {
+            summary { @if let Some(written) = &about.written { (written) " · " } "host-sim " (version) " · " (counted) " recording" @if counted != 1 { "s" } }
+            dl {
+                @if let Some(command) = &about.command { dt { "Command" } dd { code { (command) } } }
+                @if !about.machine_files.is_empty() { dt { "Machine file" } dd { (about.machine_files.join(", ")) } }
+                @for (used, names) in recordings.iter().filter(|(_, names)| !names.is_empty()) {
+                    dt { (used) } dd { @if names.len() > NAMED { (names.len()) " recordings" } @else { (names.join(", ")) } }
+                }
             }
         }
     }

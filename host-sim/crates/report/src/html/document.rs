@@ -21,7 +21,7 @@ pub(crate) fn prose(text: &str) -> Markup {
 
 /// A page with this title: what stands at its top, and the rest, with a list of the rest's headings before it.
 pub(crate) fn document(title: &str, (made, recordings): (&About, &Used<'_>), top: &Markup, rest: &Markup) -> String {
-    let (contents, rest) = with_contents(&rest.0);
+    let rest = with_contents(&rest.0);
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -39,7 +39,6 @@ pub(crate) fn document(title: &str, (made, recordings): (&About, &Used<'_>), top
                     (about(made, recordings))
                     (top)
                 }
-                (contents)
                 (PreEscaped(rest))
                 (chart::scripts())
             }
@@ -51,8 +50,8 @@ pub(crate) fn document(title: &str, (made, recordings): (&About, &Used<'_>), top
 /// What stands before and behind a heading of the first level below the page's own.
 const HEADING: (&str, &str) = ("<h2>", "</h2>");
 
-/// The list of a text's headings, and the text with a place at each of them to go to.
-fn with_contents(text: &str) -> (Markup, String) {
+/// A text with a place to go to at each of its headings, and with their list behind what stands before the first section.
+fn with_contents(text: &str) -> String {
     let mut parts = text.split(HEADING.0);
     let mut result = parts.next().unwrap_or_default().to_owned();
     let mut headings = Vec::new();
@@ -68,5 +67,7 @@ fn with_contents(text: &str) -> (Markup, String) {
             }
         }
     };
-    (contents, result)
+    let first = result.find("<section").unwrap_or(0);
+    result.insert_str(first, &contents.0);
+    result
 }

@@ -12,7 +12,7 @@ body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(
 header { margin-bottom: 1rem; }
 h1 { font-size: 1.45rem; line-height: 1.3; margin: 0; padding-left: .7rem; border-left: 6px solid #8888; text-wrap: pretty; }
 h1.remarks { border-color: #e0a800; } h1.missing { border-color: #d66000; } h1.nothing { border-color: #2b8a3e; } h1.unexplained { border-color: #b02a37; }
-.about { display: grid; grid-template-columns: max-content 1fr; gap: 0 .8rem; margin: .2rem 0 1rem; font-size: .8rem; color: var(--faint); } .about dd { margin: 0; overflow-wrap: anywhere; } .about code { font-size: .75rem; }
+.about { border: 0; margin: 0 0 .6rem; font-size: .8rem; color: var(--faint); } .about summary { padding: 0; } .about dl { display: grid; grid-template-columns: max-content 1fr; gap: 0 .8rem; margin: .2rem 0 0; } .about dd { margin: 0; overflow-wrap: anywhere; } .about code { font-size: .75rem; }
 .finding { margin: .9rem 0 0; padding-left: .7rem; border-left: 6px solid #d6600055; } .finding p { margin: .1rem 0; }
 .contents ul { display: flex; flex-wrap: wrap; gap: .1rem 1.2rem; list-style: none; padding: .4rem 0; margin: 1rem 0 0; border-top: 1px solid var(--line); border-bottom: 1px solid var(--line); font-size: .875rem; } .contents a { color: var(--accent); text-decoration: none; }
 h2 { font-size: 1.15rem; margin: 2.4rem 0 .4rem; padding-bottom: .2rem; border-bottom: 1px solid var(--line); } h3 { font-size: 1rem; margin: 1.4rem 0 .2rem; }

@@ -346,7 +346,7 @@
 
     var options = {
       width: Math.min(width, 680),
-      height: 380,
+      height: 350,
       scales: { x: { time: false }, y: { range: ofAll } },
       legend: legend(data.layers.map(ofLayer)),
       cursor: {
