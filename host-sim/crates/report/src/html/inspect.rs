@@ -71,14 +71,10 @@ fn tested(all: &[Inspected<'_>]) -> String {
         same.map(rank).max().unwrap_or(0)
     };
     let count = |wanted: i32| links.iter().filter(|link| best(link) == wanted).count();
-    let mut said = format!("{} of {} links can be tested alone", count(2), links.len());
-    if count(1) > 0 {
-        said += &format!(", {} only with other links", count(1));
-    }
-    if count(0) > 0 {
-        said += &format!(", {} not at all", count(0));
-    }
-    said
+    let said = format!("{} of {} links can be tested alone", count(2), links.len());
+    let further = [(count(1), "only with other links"), (count(0), "not at all")];
+    let further = further.into_iter().filter(|(count, _)| *count > 0).map(|(count, how)| format!("{count} {how}"));
+    std::iter::once(said).chain(further).collect::<Vec<_>>().join(", ")
 }
 
 fn looked(remarks: usize) -> String {
