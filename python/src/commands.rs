@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 use report::{json, plot, terminal};
 use simulation::Arithmetic;
 
-use crate::diagnose::{check_distinct, check_doubts, notes};
+use crate::diagnose::{check_doubts, notes};
 use crate::error::{OrRaise, Refused};
 use crate::machine::Machine;
 use crate::page::{Of, Page};
@@ -121,6 +121,21 @@ pub(crate) fn compare(
     })
 }
 
+/// No recording that was held out may be one of those that are fitted to.
+fn check_held_out(training: &[Held], held_out: &[Held]) -> Result<(), Refused> {
+    for second in held_out {
+        if let Some(first) = training.iter().find(|first| first.holds_what(second)) {
+            let text = format!(
+                "{} and {} hold the same recording; expected held-out recordings that are not trained on",
+                first.path(),
+                second.path()
+            );
+            return Err(Refused::of(text).in_file(second.path()));
+        }
+    }
+    Ok(())
+}
+
 /// What `fit` gives: JSON, the machine with the fitted values, notes, the command's table, and the page.
 type Fitted = (String, Machine, Vec<String>, String, Page);
 
@@ -148,7 +163,7 @@ pub(crate) fn fit(
         let mut file: MachineFile = machine.file.clone();
         let failed = |cause| Refused::diagnose(&machine.path, cause);
         let trained = training.len();
-        check_distinct(&recordings[..trained], &recordings[trained..])?;
+        check_held_out(&recordings[..trained], &recordings[trained..])?;
         if read_absolute(&file, &recordings[..trained], tick).map_err(failed)? {
             recordings.iter_mut().for_each(Held::take_as_absolute);
             file.channels.pressure = PressureZero::Absolute;

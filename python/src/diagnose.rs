@@ -64,7 +64,7 @@ pub(crate) fn check_doubts(
 }
 
 /// A recording cannot confirm effects that it was used to choose, and counts only once, even as a copy.
-pub(crate) fn check_distinct(training: &[Held], held_out: &[Held]) -> Result<(), Refused> {
+fn check_distinct(training: &[Held], held_out: &[Held]) -> Result<(), Refused> {
     let all: Vec<&Held> = training.iter().chain(held_out).collect();
     for (index, second) in all.iter().enumerate() {
         if let Some(first) = all[..index].iter().find(|first| first.holds_what(second)) {

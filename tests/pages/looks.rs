@@ -55,7 +55,9 @@ fn odd(text: &str) -> String {
         if row == 300 {
             cells[position] = (1.5 * cells[position].parse::<f64>().unwrap()).to_string();
         }
-        odd += &format!("{},{}\n", cells.join(","), row % 100);
+        cells.push((row % 100).to_string());
+        odd += &cells.join(",");
+        odd.push('\n');
     }
     odd
 }

@@ -96,6 +96,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let plots = arguments.plot.as_ref().map_or_else(Vec::new, |path| plot_paths(path, &drives[0].recordings));
     let drawings = plots.iter().map(|path| ("--plot", Some(path.as_path()), DRAWING));
     check_targets(&drawings.chain(targets).collect::<Vec<_>>(), &read)?;
+    arguments.plot.as_deref().map_or(Ok(()), |path| check_ending("--plot", path, DRAWING))?;
     for drive in &mut drives {
         drive.comparisons = compared(drive, &arguments.model, console)?;
     }
@@ -143,7 +144,6 @@ fn check(arguments: &Arguments) -> Result<(Vec<PathBuf>, [Target<'_>; 2]), CliEr
         let (argument, expected) = ("--tolerance", "at most 100 %");
         return Err(CliError::Number { argument, found: arguments.tolerance, expected });
     }
-    arguments.plot.as_deref().map_or(Ok(()), |path| check_ending("--plot", path, DRAWING))?;
     let read = [arguments.files.as_slice(), &arguments.recording, &arguments.machine].concat();
     let document = ("--json", arguments.json.as_deref(), DOCUMENT);
     Ok((read, [document, ("--report", arguments.report.as_deref(), PAGE)]))

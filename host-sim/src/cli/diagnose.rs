@@ -324,11 +324,7 @@ fn then<'a>(arguments: &Arguments, of_then: &'a [PathBuf]) -> Result<(Option<&'a
 }
 
 /// A recording cannot confirm effects that it was used to choose, and counts only once, whatever its name, even as a copy.
-pub(super) fn check_distinct(
-    training: &[Recording],
-    held_out: &[Recording],
-    then: &[Recording],
-) -> Result<(), CliError> {
+fn check_distinct(training: &[Recording], held_out: &[Recording], then: &[Recording]) -> Result<(), CliError> {
     let all: Vec<&Recording> = training.iter().chain(held_out).chain(then).collect();
     for (index, second) in all.iter().enumerate() {
         if let Some(at) = all[..index].iter().position(|first| first.holds_what(second)) {

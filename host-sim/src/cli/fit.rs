@@ -11,7 +11,6 @@ use report::{html, json, terminal, wording};
 
 use super::about::about;
 use super::console::Console;
-use super::diagnose::check_distinct;
 use super::ending::{DOCUMENT, MACHINE, PAGE};
 use super::error::CliError;
 use super::target::{check_apart, check_targets, write, write_document};
@@ -74,7 +73,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         read.map(|recording| input::judged(recording, &file, &arguments.judge)).collect::<Result<_, _>>()?;
     let tick = arguments.tick.map(Into::into);
     let trained = train.len();
-    check_distinct(&recordings[..trained], &recordings[trained..], &[])?;
+    check_held_out(&recordings[..trained], &recordings[trained..])?;
     if read_absolute(&file, &recordings[..trained], tick).map_err(failed)? {
         recordings.iter_mut().for_each(Recording::take_as_absolute);
         file.channels.pressure = PressureZero::Absolute;
@@ -113,6 +112,18 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     }
     tell(&refit, console)?;
     Ok(Outcome::Done)
+}
+
+/// Checks that no recording that was held out is one of those that are fitted to. One that is fitted to may be given twice, to count twice.
+fn check_held_out(training: &[Recording], held_out: &[Recording]) -> Result<(), CliError> {
+    for second in held_out {
+        if let Some(first) = training.iter().find(|first| first.holds_what(second)) {
+            let (first, second) = (first.path().to_owned(), second.path().to_owned());
+            let expected = "held-out recordings that are not trained on";
+            return Err(CliError::SameRecording { first, second, expected });
+        }
+    }
+    Ok(())
 }
 
 /// Checks the files to write: a fitted machine file may replace the one that it was made from; no other result may replace an input.

@@ -90,13 +90,13 @@ pub fn compare(all: &[Compared<'_>], about: &About) -> String {
 /// One drive: its weakest part. Several: how many signals each fits best.
 fn headline(all: &[Compared<'_>]) -> Markup {
     if let [one] = all {
-        return match weakest(one.comparisons) {
-            Some(found) => {
-                let class = if found.follows() { "nothing" } else { "missing" };
-                let (part, fit) = (format!("{}, {}", found.section, found.signal), percent(found.nrmse_percent));
-                html! { h1 class=(class) { @if found.follows() { "Every part that could be judged follows; the weakest is " } @else { "The weakest part is " } (part) " at " (fit) " %." } }
-            }
-            None => html! { h1 { "No part could be judged by itself." } },
+        let Some(found) = weakest(one.comparisons) else {
+            return html! { h1 { "No part could be judged by itself." } };
+        };
+        let (part, fit) = (format!("{}, {}", found.section, found.signal), percent(found.nrmse_percent));
+        return html! {
+            @if found.follows() { h1 class="nothing" { "Every part that could be judged follows; the weakest is " (part) " at " (fit) " %." } }
+            @else { h1 class="missing" { "The weakest part is " (part) " at " (fit) " %." } }
         };
     }
     let means: Vec<Vec<(Signal, f64)>> = all.iter().map(|one| mean_fits(one.comparisons)).collect();

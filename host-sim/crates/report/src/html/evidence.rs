@@ -91,7 +91,7 @@ pub(crate) fn white(before: Option<&[Whiteness]>, after: &[Whiteness]) -> Markup
             details {
                 summary { "Correlations" }
                 div class="pair" { @for (before, after) in pairs() {
-                    @let of = |values: fn(&Whiteness) -> &Vec<f64>| match before {
+                    @let of = |values: Which| match before {
                         Some(before) => vec![("before", Style::Before, values(before)), ("after", Style::After, values(after))],
                         None => vec![("refitted", Style::Before, values(after))],
                     };
@@ -116,11 +116,11 @@ pub(crate) fn shares(of: &Whiteness) -> Markup {
 /// Name, style and correlations of a model.
 type Named<'a> = (&'a str, Style, &'a Vec<f64>);
 
+/// Which of the two: with itself, or with the input.
+type Which = fn(&Whiteness) -> &Vec<f64>;
+
 /// The correlations of a signal's residual with itself and with the input, each of all models.
-pub(crate) fn of_signal<'a>(
-    signal: &'a Whiteness,
-    models: &dyn Fn(fn(&Whiteness) -> &Vec<f64>) -> Vec<Named<'a>>,
-) -> Markup {
+pub(crate) fn of_signal<'a>(signal: &'a Whiteness, models: &dyn Fn(Which) -> Vec<Named<'a>>) -> Markup {
     let name = title(signal.signal);
     let first = -i32::try_from(signal.cross.len() / 2).unwrap_or(0);
     html! {

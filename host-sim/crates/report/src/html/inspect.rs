@@ -14,6 +14,9 @@ use crate::inspect::{extent, opened, reach, travelled};
 use crate::plot::{Panel, Style, Trace, title};
 use crate::wording;
 
+/// Marks nearer to each other than this part of a recording are one in its charts.
+const FINEST: f64 = 400.0;
+
 /// One inspected recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Inspected<'a> {
@@ -74,14 +77,10 @@ fn tested(all: &[Inspected<'_>]) -> String {
         same.map(rank).max().unwrap_or(0)
     };
     let count = |wanted: i32| links.iter().filter(|link| best(link) == wanted).count();
-    let mut said = format!("{} of {} links can be tested alone", count(2), links.len());
-    if count(1) > 0 {
-        said += &format!(", {} only with other links", count(1));
-    }
-    if count(0) > 0 {
-        said += &format!(", {} not at all", count(0));
-    }
-    said
+    let said = format!("{} of {} links can be tested alone", count(2), links.len());
+    let further = [(count(1), "only with other links"), (count(0), "not at all")];
+    let further = further.into_iter().filter(|(count, _)| *count > 0).map(|(count, how)| format!("{count} {how}"));
+    std::iter::once(said).chain(further).collect::<Vec<_>>().join(", ")
 }
 
 fn looked(remarks: usize) -> String {
@@ -184,8 +183,9 @@ fn known_panel(one: &Inspected<'_>, channel: &InspectedColumn) -> Option<Panel> 
         remarks(one.found).filter(|(signal, _)| *signal == Some(channel.signal)).map(|(_, said)| said).collect();
     let mut panel =
         Panel::new(&name, unit, time_s).trace(Trace::new("recorded", readable, style)).note(&said.join("; "));
-    panel.intervals.extend(channel.marks.iter().map(|mark| (mark.from_s, mark.to_s)));
-    panel.intervals.extend(&one.found.gaps);
+    let marked: Vec<(f64, f64)> = channel.marks.iter().map(|mark| (mark.from_s, mark.to_s)).collect();
+    panel.intervals = merged(&marked, one.found.duration_s / FINEST);
+    panel.intervals.extend(merged(&one.found.gaps, one.found.duration_s / FINEST));
     Some(panel)
 }
 
@@ -197,7 +197,8 @@ fn unknown_panel(column: &UnknownColumn, gaps: &[(f64, f64)]) -> Panel {
     let mut panel = Panel::new(name, if unit.is_empty() { "unit unknown" } else { unit }, time_s)
         .trace(trace)
         .note("no known signal: the model does not use it");
-    panel.intervals.extend(gaps);
+    let last = column.time_s.last().copied().unwrap_or(0.0);
+    panel.intervals = merged(gaps, last / FINEST);
     panel
 }
 
@@ -205,6 +206,21 @@ fn unknown_panel(column: &UnknownColumn, gaps: &[(f64, f64)]) -> Panel {
 fn without_unit(header: &str) -> (&str, &str) {
     let split = header.strip_suffix(']').and_then(|header| header.rsplit_once('['));
     split.map_or((header, ""), |(name, unit)| (name.trim_end(), unit))
+}
+
+/// Stretches of time in their order, those that follow each other within this time as one: a channel that is clipped in every other row would
+/// fill the page with its marks.
+fn merged(stretches: &[(f64, f64)], within_s: f64) -> Vec<(f64, f64)> {
+    let mut sorted = stretches.to_vec();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut all: Vec<(f64, f64)> = Vec::new();
+    for (from, to) in sorted {
+        match all.last_mut() {
+            Some((_, last)) if from - *last <= within_s => *last = last.max(to),
+            _ => all.push((from, to)),
+        }
+    }
+    all
 }
 
 /// Times and values with a row without value in every gap, so that no line is drawn across it.
@@ -258,6 +274,12 @@ mod tests {
         let (time_s, values) = broken(&[0.0, 0.1, 0.6, 0.7], &[1.0, 2.0, 3.0, 4.0], &[(0.1, 0.6)]);
         assert_eq!(time_s, [0.0, 0.1, 0.35, 0.6, 0.7]);
         assert!(values[2].is_nan() && (values[3] - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn marks_that_follow_each_other_closely_are_one() {
+        let found = merged(&[(2.0, 2.5), (0.0, 0.1), (0.11, 0.2)], 0.05);
+        assert_eq!(found, [(0.0, 0.2), (2.0, 2.5)]);
     }
 
     #[test]

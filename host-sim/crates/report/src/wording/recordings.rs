@@ -154,11 +154,12 @@ pub fn marks(signal: Signal, marks: &[Mark]) -> Vec<String> {
 #[must_use]
 pub(crate) fn about(advice: &Advice) -> Option<Signal> {
     match advice {
-        Advice::Constant { signal, .. } | Advice::RangeEnd { signal, .. } => Some(*signal),
-        Advice::Unit(UnitDoubt::Beyond { signal, .. }) => Some(*signal),
+        Advice::Constant { signal, .. }
+        | Advice::RangeEnd { signal, .. }
+        | Advice::Unit(UnitDoubt::Beyond { signal, .. })
+        | Advice::Agreement(Suspicion::RunsAgainst(signal) | Suspicion::MovesOtherwise(signal, _)) => Some(*signal),
         Advice::Unit(UnitDoubt::Current { .. }) => Some(Signal::Command),
         Advice::Unit(UnitDoubt::SpoolTravel { .. }) => Some(Signal::Spool),
-        Advice::Agreement(Suspicion::RunsAgainst(signal) | Suspicion::MovesOtherwise(signal, _)) => Some(*signal),
         Advice::NeverOpens { by } | Advice::OpensOneWay { by, .. } => Some(*by),
         Advice::Unit(UnitDoubt::Speed { .. })
         | Advice::Agreement(Suspicion::PressuresCrossed)
