@@ -6,6 +6,8 @@
 #![forbid(unsafe_code)]
 // All output is returned to the caller: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
+// Results are the same to the bit on every platform.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 #![cfg_attr(
     not(all(feature = "mat", feature = "mdf4", feature = "parquet")),
     allow(dead_code, reason = "what the formats share is not all used without one of them")
@@ -36,7 +38,7 @@ pub use formats::mark_fault::{MarkFault, MarkedCell};
 pub use formats::memory::{ColumnInMemory, Held};
 pub use formats::read::{in_parts, read, read_from, read_through};
 pub use formats::sheet::{Series, WrittenColumn};
-pub use formats::survey::survey;
+pub use formats::survey::{survey, survey_from};
 pub use formats::surveyed::Surveyed;
 pub use formats::text::lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
 pub use formats::unsupported::Unsupported;
