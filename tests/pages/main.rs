@@ -2,6 +2,7 @@
 //! and works on a phone, in dark mode and in a browser without scripts.
 
 mod chromium;
+mod studio;
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
