@@ -3,7 +3,6 @@
 use ::recording::{PressureZero, Recording as Held};
 use diagnosis::agreement::{Doubt, doubts};
 use diagnosis::{Diagnosis, Options, base_parameters, diagnose_with, read_absolute};
-use experiment::inspect::unit_doubts;
 use identification::stop;
 use machine_file::MachineFile;
 use model_core::machine::Machine as Values;
@@ -32,13 +31,7 @@ pub(crate) struct Diagnosed {
 
 /// What was noted as recordings were read, and doubts about their units, each with the recording's name.
 pub(crate) fn notes(recordings: &[&Held], values: &Values<f64>) -> Vec<String> {
-    let own = |recording: &&Held| {
-        let name = recording.name().to_owned();
-        let read = recording.notes().iter().map(ToString::to_string);
-        let units = unit_doubts(recording, values).into_iter().map(|doubt| wording::unit_doubt(&doubt));
-        read.chain(units).map(|note| format!("{name}: {note}")).collect::<Vec<_>>()
-    };
-    recordings.iter().flat_map(own).collect()
+    recordings.iter().flat_map(|recording| wording::notes(recording, values)).collect()
 }
 
 /// What is doubtful about recordings for this drive. What is certainly wrong is an error, unless they are to be taken as they are.
@@ -66,13 +59,9 @@ pub(crate) fn check_doubts(
 /// A recording cannot confirm effects that it was used to choose, and counts only once, even as a copy.
 fn check_distinct(training: &[Held], held_out: &[Held]) -> Result<(), Refused> {
     let all: Vec<&Held> = training.iter().chain(held_out).collect();
-    for (index, second) in all.iter().enumerate() {
-        if let Some(first) = all[..index].iter().find(|first| first.holds_what(second)) {
-            let text = format!("{} and {} hold the same recording; expected each once", first.path(), second.path());
-            return Err(Refused::of(text).in_file(second.path()));
-        }
-    }
-    Ok(())
+    let Some((first, second)) = Held::held_twice(&all) else { return Ok(()) };
+    let (first, second) = (all[first].path(), all[second].path());
+    Err(Refused::of(format_args!("{first} and {second} hold the same recording; expected each once")).in_file(second))
 }
 
 /// Diagnoses a drive.

@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::root;
 
 /// The libraries, lowest first, with the workspace crates that each may depend on. A library must not use a crate that is not listed for it.
-const ALLOWED: [(&str, &[&str]); 19] = [
+const ALLOWED: [(&str, &[&str]); 21] = [
     ("model-core", &[]),
     ("firmware", &["model-core"]),
     ("drive-c", &["model-core"]),
@@ -41,6 +41,20 @@ const ALLOWED: [(&str, &[&str]); 19] = [
             "report",
         ],
     ),
+    (
+        "host-sim-studio",
+        &[
+            "model-core",
+            "recording",
+            "machine-file",
+            "simulation",
+            "identification",
+            "diagnosis",
+            "experiment",
+            "report",
+        ],
+    ),
+    ("studio-page", &[]),
 ];
 
 /// Dependencies that only the program may have: its command line.

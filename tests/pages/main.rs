@@ -3,6 +3,7 @@
 
 mod chromium;
 mod looks;
+mod studio;
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

@@ -183,7 +183,7 @@ fn note_recordings(job: &Job, recordings: &[&Recording], console: &Console<'_>) 
             recording.name()
         ));
     }
-    let of_units = |recording: &&Recording| input::unit_notes(recording, &job.file.machine).collect::<Vec<_>>();
+    let of_units = |recording: &&Recording| input::unit_notes(recording, &job.file.machine);
     let doubts: Vec<String> = recordings.iter().flat_map(of_units).collect();
     if doubts.is_empty() {
         return Ok(());
@@ -326,19 +326,15 @@ fn then<'a>(arguments: &Arguments, of_then: &'a [PathBuf]) -> Result<(Option<&'a
 /// A recording cannot confirm effects that it was used to choose, and counts only once, whatever its name, even as a copy.
 fn check_distinct(training: &[Recording], held_out: &[Recording], then: &[Recording]) -> Result<(), CliError> {
     let all: Vec<&Recording> = training.iter().chain(held_out).chain(then).collect();
-    for (index, second) in all.iter().enumerate() {
-        if let Some(at) = all[..index].iter().position(|first| first.holds_what(second)) {
-            let is_held_out = (training.len()..training.len() + held_out.len()).contains(&index);
-            let expected = if at < training.len() && is_held_out {
-                "held-out recordings that are not trained on"
-            } else {
-                "each recording once"
-            };
-            let (first, second) = (all[at].path().to_owned(), second.path().to_owned());
-            return Err(CliError::SameRecording { first, second, expected });
-        }
-    }
-    Ok(())
+    let Some((first, second)) = Recording::held_twice(&all) else { return Ok(()) };
+    let is_held_out = (training.len()..training.len() + held_out.len()).contains(&second);
+    let expected = if first < training.len() && is_held_out {
+        "held-out recordings that are not trained on"
+    } else {
+        "each recording once"
+    };
+    let (first, second) = (all[first].path().to_owned(), all[second].path().to_owned());
+    Err(CliError::SameRecording { first, second, expected })
 }
 
 /// The recordings of a folder whose names begin with this prefix, each in one format.

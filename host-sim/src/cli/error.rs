@@ -241,6 +241,13 @@ pub enum CliError {
         /// The command.
         command: &'static str,
     },
+    /// The page of the studio in a program without it.
+    #[cfg(not(feature = "studio"))]
+    #[error(
+        "studio: this program was built without the studio; expected one built by `cargo build --release --features studio` (needs \
+         `rustup target add wasm32-unknown-unknown`), or studio.html from a release"
+    )]
+    WithoutStudio,
     /// The paper's experiment.
     #[cfg(feature = "virtual-plant")]
     #[error(transparent)]

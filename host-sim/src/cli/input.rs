@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use diagnosis::agreement::{Doubt, doubts as doubts_of};
 use diagnosis::base_parameters;
-use experiment::inspect::unit_doubts;
 use identification::compare::judged::judged_by;
 use identification::fit::FitError;
 use machine_file::MachineFile;
-use model_core::machine::{Machine, Tick};
+use model_core::machine::Tick;
 use recording::{ChannelMap, Recording, Signal};
-use report::wording::{doubt, unit_doubt};
+use report::wording::doubt;
+pub(crate) use report::wording::{notes, own_notes, unit_notes};
 use simulation::Arithmetic;
 
 use super::console::{Console, Progress};
@@ -152,23 +152,4 @@ pub(crate) fn doubts<'a>(
         return Ok(found);
     }
     Err(CliError::Disagrees { machine: machine.to_owned(), doubts: certain.join("; ") })
-}
-
-/// The notes of a recording, and doubts about it for this drive, each with the recording's name.
-pub(crate) fn notes<'a>(recording: &'a Recording, machine: &Machine<f64>) -> impl Iterator<Item = String> + 'a {
-    own_notes(recording).chain(unit_notes(recording, machine))
-}
-
-/// Doubts about the units of a recording for this drive, with its name.
-pub(crate) fn unit_notes<'a>(
-    recording: &'a Recording,
-    machine: &Machine<f64>,
-) -> impl Iterator<Item = String> + use<'a> {
-    let doubts = unit_doubts(recording, machine).into_iter();
-    doubts.map(|doubt| format!("{}: {}", recording.name(), unit_doubt(&doubt)))
-}
-
-/// The notes made when a recording was read, with its name.
-pub(crate) fn own_notes(recording: &Recording) -> impl Iterator<Item = String> + '_ {
-    recording.notes().iter().map(|note| format!("{}: {note}", recording.name()))
 }

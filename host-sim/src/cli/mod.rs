@@ -29,6 +29,7 @@ mod plant;
 pub mod simulate;
 mod simulated;
 pub mod statics;
+pub mod studio;
 mod target;
 #[cfg(feature = "virtual-plant")]
 pub mod testbed;
@@ -98,6 +99,8 @@ pub enum Command {
     Export(export::Arguments),
     /// Turn what the firmware's recorder streamed out into a recording.
     Import(import::Arguments),
+    /// Write a page that does all this in a browser, for a computer on which nothing may be installed.
+    Studio(studio::Arguments),
     /// Print what a shell needs to complete commands and options.
     Completions(completions::Arguments),
     /// Write manual pages.
@@ -128,6 +131,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Testbed(arguments) => plant::testbed(arguments, console),
         Command::Export(arguments) => export::run(arguments, console),
         Command::Import(arguments) => import::run(arguments, console),
+        Command::Studio(arguments) => studio::run(arguments, console),
         Command::Completions(arguments) => completions::run(arguments, console),
         Command::Man(arguments) => man::run(arguments, console),
     }

@@ -110,7 +110,7 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
     })?;
     let mut part = parts.read_next()?.expect("a text without rows is an error");
     bar.aside(|| {
-        for note in input::notes(&part.recording, &file.machine).chain(starts_anywhere(&part.recording)) {
+        for note in input::notes(&part.recording, &file.machine).into_iter().chain(starts_anywhere(&part.recording)) {
             console.note(note);
         }
         console.detail(format_args!("read: the first {} rows", part.recording.rows()));
@@ -144,7 +144,7 @@ fn each_part(arguments: &Arguments, path: &Path, console: &mut Console<'_>, bar:
         }
         parts.forget_before(advance.next_from);
         let Some(next) = parts.read_next()? else { break };
-        bar.aside(|| input::own_notes(&next.recording).for_each(|note| console.note(note)));
+        bar.aside(|| input::own_notes(&next.recording).into_iter().for_each(|note| console.note(note)));
         part = next;
     }
     out.finish()?;
@@ -185,7 +185,7 @@ impl Target {
 /// Simulates at once what needs the whole recording, or an input signal.
 fn at_once(arguments: &Arguments, console: &mut Console<'_>) -> Result<Made, CliError> {
     let job = job(arguments, console)?;
-    for note in input::notes(&job.recording, &job.machine).chain(starts_anywhere(&job.recording)) {
+    for note in input::notes(&job.recording, &job.machine).into_iter().chain(starts_anywhere(&job.recording)) {
         console.note(note);
     }
     let start = start_in_play(&job.machine, &job.recording, job.load, job.tick, |note| console.note(note));

@@ -33,6 +33,7 @@ mod shipped;
 mod simulate;
 mod since;
 mod statics;
+mod studio;
 mod targets;
 mod terminal;
 mod testbed;

@@ -64,9 +64,9 @@ struct Odds {
 /// The odds by what candidate models gain. One that differs in another effect as well says nothing about this one's alternatives.
 fn odds(effect: &'static Hypothesis, chosen: &[Chosen], candidates: &[&Trial]) -> Odds {
     let largest = candidates.iter().map(|candidate| candidate.net).fold(0.0, f64::max);
-    let weight = |candidate: &Trial| (candidate.net - largest).exp();
+    let weight = |candidate: &Trial| libm::exp(candidate.net - largest);
     // No effect at all stands against them with a net gain of 0.
-    let total: f64 = candidates.iter().map(|candidate| weight(candidate)).sum::<f64>() + (-largest).exp();
+    let total: f64 = candidates.iter().map(|candidate| weight(candidate)).sum::<f64>() + libm::exp(-largest);
     let with = candidates.iter().filter(|candidate| candidate.has_any(&[effect]));
     let confidence = with.map(|candidate| weight(candidate)).sum::<f64>() / total;
     let mut alternatives: Vec<(&'static Hypothesis, f64)> = Vec::new();

@@ -221,7 +221,8 @@ fn of_oil(file: &MachineFile, cases: &[Prepared]) -> Option<Free> {
     let parameter = Parameter::ViscosityLossPerKelvin;
     let is_on = file.machine.get(parameter) > 0.0;
     let (low, high) = USUAL_PER_K;
-    let freedom = Freedom::Logarithm { centre: (low * high).sqrt(), spread: 0.25 * (high / low).ln(), vanishes: false };
+    let freedom =
+        Freedom::Logarithm { centre: (low * high).sqrt(), spread: 0.25 * libm::log(high / low), vanishes: false };
     (!is_on && knows_oil(file, cases)).then_some(Free { parameter, freedom })
 }
 
@@ -246,7 +247,7 @@ pub(crate) fn other_oil(file: &MachineFile, shown: &[Shown], after: &Machine<f64
     let (now_c, loss) = (mean_oil_c(trained(shown))?, after.get(Parameter::ViscosityLossPerKelvin));
     let then = Parameter::ReferenceTemperature;
     let then_c = (loss > 0.0 && file.given.contains(&then)).then(|| file.machine.get(then))?;
-    let viscosity = (-loss * (now_c - after.get(then))).exp().clamp(0.125, 8.0);
+    let viscosity = libm::exp(-loss * (now_c - after.get(then))).clamp(0.125, 8.0);
     Some(OtherOil { then_c, now_c, viscosity })
 }
 

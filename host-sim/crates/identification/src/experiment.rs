@@ -76,8 +76,8 @@ impl JudgedSignal {
 
     /// Adds the error that the noise of the driving signal causes in a simulation.
     pub fn add_input_noise(&mut self, off_by: f64) {
-        self.noise = self.noise.hypot(off_by);
-        self.input_noise = self.input_noise.hypot(off_by);
+        self.noise = libm::hypot(self.noise, off_by);
+        self.input_noise = libm::hypot(self.input_noise, off_by);
     }
 
     /// The NRMSE fit, %, that a perfect model would reach: only the noise remains.
@@ -245,7 +245,7 @@ impl Prepared {
         const WITHIN_PLAY_M: f64 = 5e-4;
         let is_told = self.start_sigma_m > 0.0 && self.stimulus.input_point != InputPoint::Force;
         if is_told && machine.get(Parameter::BacklashPlay) > 0.0 {
-            self.start_sigma_m.hypot(WITHIN_PLAY_M)
+            libm::hypot(self.start_sigma_m, WITHIN_PLAY_M)
         } else {
             self.start_sigma_m
         }
@@ -310,7 +310,9 @@ fn input_noise(recording: &Recording, input_point: InputPoint, machine: &Machine
     match (input_point.is_set(), of(input_point.driving())) {
         (true, _) => 0.0,
         (false, Some(noise)) => noise,
-        (false, None) => from(Signal::PressureA, Parameter::AreaA).hypot(from(Signal::PressureB, Parameter::AreaB)),
+        (false, None) => {
+            libm::hypot(from(Signal::PressureA, Parameter::AreaA), from(Signal::PressureB, Parameter::AreaB))
+        }
     }
 }
 

@@ -14,6 +14,7 @@ pub const TABLE: TableStyle = TableStyle::new()
 
 /// Sets a table's width in characters, or lets it follow from its cells. The terminal of this process is not queried.
 pub fn arrange(table: &mut Table, width: Option<u16>) {
+    #[cfg(not(target_family = "wasm"))]
     table.force_no_tty();
     match width {
         Some(width) => table.set_content_arrangement(ContentArrangement::Dynamic).set_width(width),

@@ -6,6 +6,8 @@
 #![forbid(unsafe_code)]
 // All output is returned to the caller: only the program prints.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
+// No mathematics of the platform: its last bit differs from one to the next (clippy.toml).
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 #![cfg_attr(
     not(all(feature = "mat", feature = "mdf4", feature = "parquet")),
     allow(dead_code, reason = "what the formats share is not all used without one of them")
@@ -36,10 +38,10 @@ pub use formats::mark_fault::{MarkFault, MarkedCell};
 pub use formats::memory::{ColumnInMemory, Held};
 pub use formats::read::{in_parts, read, read_from, read_through};
 pub use formats::sheet::{Series, WrittenColumn};
-pub use formats::survey::survey;
+pub use formats::survey::{survey, survey_from};
 pub use formats::surveyed::Surveyed;
 pub use formats::text::lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
-pub use formats::unknown::{UnknownColumn, unknown_columns};
+pub use formats::unknown::{UnknownColumn, unknown_among, unknown_columns};
 pub use formats::unsupported::Unsupported;
 pub use linkage::Linkage;
 pub use recording::{At, Column, FromAngle, Note, Recording, median_interval};

@@ -343,6 +343,15 @@ impl Recording {
         self.columns.len() == other.columns.len() && self.columns.iter().all(held)
     }
 
+    /// The places of the first two of several recordings that hold the same, whatever they are called.
+    #[must_use]
+    pub fn held_twice(all: &[&Self]) -> Option<(usize, usize)> {
+        all.iter().enumerate().find_map(|(second, one)| {
+            let first = all[..second].iter().position(|other| other.holds_what(one))?;
+            Some((first, second))
+        })
+    }
+
     /// The number of rows, at least two.
     #[must_use]
     pub fn rows(&self) -> usize {

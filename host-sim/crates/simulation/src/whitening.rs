@@ -46,7 +46,7 @@ impl Whitening {
             }
         }
         end_at(time_s.len(), follows, begins);
-        Self { ends, is_whole, left: (-block_s / memory_s).exp() }
+        Self { ends, is_whole, left: libm::exp(-block_s / memory_s) }
     }
 
     /// The same where only these rows are left; `None` where a block has none of them.

@@ -77,7 +77,7 @@ fn of_ratio(machine: &Machine<f64>, ratio: f64) -> Vec<Vec<Change>> {
         for rod_mm in RODS_MM.into_iter().filter(|rod_mm| RODS.contains(&(rod_mm / bore_mm))) {
             let off = (1.0 - (rod_mm / bore_mm).powi(2)) / ratio - 1.0;
             if off.abs() < NEAR {
-                tried.push(((bore_mm / stated_mm).ln().abs() + off.abs(), Change::Cylinder { bore_mm, rod_mm }));
+                tried.push((libm::log(bore_mm / stated_mm).abs() + off.abs(), Change::Cylinder { bore_mm, rod_mm }));
             }
         }
     }

@@ -108,7 +108,7 @@ fn flow(observed: &Observed) -> Vec<(Subsystem, Lack)> {
     let supply = largest(a).max(largest(b));
     let port = |pressure: f64| (supply - pressure).max(0.0).sqrt() - pressure.max(0.0).sqrt();
     for reach in [0.02, 0.05, 0.12] {
-        let open = |row: usize| (-(spool[row] / reach).powi(2)).exp();
+        let open = |row: usize| libm::exp(-(spool[row] / reach).powi(2));
         found.push(Lack::Flow(
             observed.each(|row| open(row) * port(a[row])),
             observed.each(|row| -open(row) * port(b[row])),
@@ -125,7 +125,7 @@ fn lagged(time_s: &[f64], values: &[f64], lag_s: f64) -> Vec<f64> {
         .iter()
         .zip(values)
         .map(|(time, value)| {
-            state += (value - state) * (1.0 - (-(time - before) / lag_s).exp());
+            state += (value - state) * (1.0 - libm::exp(-(time - before) / lag_s));
             before = *time;
             state
         })
@@ -173,7 +173,7 @@ fn mechanics(observed: &Observed, stroke_m: f64) -> Vec<(Subsystem, Lack)> {
     let (a, b) = (&observed.pressure_a_pa, &observed.pressure_b_pa);
     let fastest = largest(v);
     // Sign of the velocity, smoothed near zero, where it is not known.
-    let sense = |row: usize| (v[row] / (0.01 * fastest)).tanh();
+    let sense = |row: usize| libm::tanh(v[row] / (0.01 * fastest));
     let middle = |row: usize| y[row] / stroke_m - 0.5;
     let mut found = vec![
         observed.each(|row| -sense(row)),
@@ -187,7 +187,7 @@ fn mechanics(observed: &Observed, stroke_m: f64) -> Vec<(Subsystem, Lack)> {
         observed.each(|row| middle(row).powi(3)),
     ];
     for share in [0.03, 0.1, 0.3] {
-        found.push(observed.each(|row| -sense(row) * (-v[row].abs() / (share * fastest)).exp()));
+        found.push(observed.each(|row| -sense(row) * libm::exp(-v[row].abs() / (share * fastest))));
     }
     let (low, high) = extent(y);
     for share in [0.02, 0.06] {
@@ -240,7 +240,7 @@ fn valve(observed: &Observed) -> Vec<(Subsystem, Lack)> {
     vec![
         along_spool(observed, |row| high[row]),
         along_spool(observed, |row| low[row]),
-        along_spool(observed, |row| -(turning[row] / (0.05 * fastest)).tanh()),
+        along_spool(observed, |row| -libm::tanh(turning[row] / (0.05 * fastest))),
         along_spool(observed, |row| observed.time_s[row] - began),
         along_spool(observed, |row| -x[row].powi(3)),
         along_spool(observed, |row| -(x[row].abs() - 0.5 * largest(x)).max(0.0) * x[row].signum()),

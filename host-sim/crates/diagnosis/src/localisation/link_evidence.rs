@@ -132,9 +132,9 @@ pub(super) fn weigh(
 ) -> Evidence {
     let rest = Rest::of(left, wrong);
     let rows = left.len() as f64;
-    let penalty = 0.5 * rows.max(2.0).ln();
+    let penalty = 0.5 * libm::log(rows.max(2.0));
     // The noise is known: a sum of squares below one per row cannot be distinguished from it.
-    let gain = |square: f64| 0.5 * rows * (rest.square.max(rows) / square.max(rows)).ln();
+    let gain = |square: f64| 0.5 * rows * libm::log(rest.square.max(rows) / square.max(rows));
     let projected: Vec<DVector<f64>> = patterns.iter().map(|pattern| rest.without_wrong(&pattern.left)).collect();
     let mut links: Vec<(Subsystem, f64)> = Vec::new();
     for subsystem in [Subsystem::Valve, Subsystem::Flow, Subsystem::Chambers, Subsystem::Mechanics, Subsystem::Sensing]

@@ -217,7 +217,7 @@ impl Course {
             })
             .collect();
         let tries = families.iter().map(|(_, thresholds)| thresholds.len()).sum::<usize>().max(1);
-        let least_told = (REGION_TOLD + (tries as f64).ln()) / independent_samples(errors);
+        let least_told = (REGION_TOLD + libm::log(tries as f64)) / independent_samples(errors);
         let mut best: Option<(f64, Region)> = None;
         for (family, thresholds) in families {
             for threshold in thresholds {
@@ -234,8 +234,8 @@ impl Course {
                     continue;
                 }
                 let out = 1.0 - share;
-                let told =
-                    share * (share / of_time).ln() + if out > 0.0 { out * (out / (1.0 - of_time)).ln() } else { 0.0 };
+                let told = share * libm::log(share / of_time)
+                    + if out > 0.0 { out * libm::log(out / (1.0 - of_time)) } else { 0.0 };
                 if told > least_told && best.as_ref().is_none_or(|(known, _)| told > *known) {
                     best = Some((told, Region { condition: family.condition, threshold, share, of_time }));
                 }

@@ -350,7 +350,7 @@ impl Force {
                 Cause::Push(windows.iter().map(push).collect())
             }
             &Shape::Periodic { hz } => {
-                let amplitude = |(case, parts): (usize, &[f64])| (named(case), parts[0].hypot(parts[1]));
+                let amplitude = |(case, parts): (usize, &[f64])| (named(case), libm::hypot(parts[0], parts[1]));
                 Cause::Periodic { hz, amplitude_n: self.amounts.chunks_exact(2).enumerate().map(amplitude).collect() }
             }
             &Shape::Structure { hz, damping, .. } => Cause::Structure { hz, damping, mass_kg: self.amounts[0] },

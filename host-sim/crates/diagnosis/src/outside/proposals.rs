@@ -171,8 +171,8 @@ fn share_at(series: &[f64], cycles: f64) -> f64 {
     let (mut cosine, mut sine, mut square) = (0.0, 0.0, 0.0);
     for (index, value) in series.iter().enumerate() {
         let (angle, value) = (TAU * cycles * index as f64, value - mean);
-        cosine += value * angle.cos();
-        sine += value * angle.sin();
+        cosine += value * libm::cos(angle);
+        sine += value * libm::sin(angle);
         square += value * value;
     }
     if square > 0.0 { 2.0 * (cosine * cosine + sine * sine) / (series.len() as f64 * square) } else { 0.0 }
@@ -186,10 +186,10 @@ fn structures(cases: &[&Prepared]) -> Vec<Shape> {
     }
     // A part of the range has its part of the steps.
     let is_sparse = cases.iter().any(|case| case.is_sparse());
-    let part = if is_sparse { (high / low).ln() / (STRUCTURE_HZ.1 / low).ln() } else { 1.0 };
+    let part = if is_sparse { libm::log(high / low) / libm::log(STRUCTURE_HZ.1 / low) } else { 1.0 };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a part of some dozens")]
     let count = ((STRUCTURES as f64 * part).ceil() as usize).max(2);
-    let at = move |index: usize| low * (high / low).powf(index as f64 / (count - 1) as f64);
+    let at = move |index: usize| low * libm::pow(high / low, index as f64 / (count - 1) as f64);
     let damped = |hz: f64, is_included: bool| {
         STRUCTURE_DAMPING.map(move |damping| Shape::Structure { hz, damping, is_included })
     };

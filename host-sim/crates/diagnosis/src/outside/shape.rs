@@ -150,7 +150,7 @@ impl Shape {
             &Self::Periodic { hz } => everywhere
                 .flat_map(|case| {
                     let wave = move |phase: f64| {
-                        each_point(cases[case], |time_s| (TAU * (hz * time_s + phase)).cos()).collect::<Vec<f64>>()
+                        each_point(cases[case], |time_s| libm::cos(TAU * (hz * time_s + phase))).collect::<Vec<f64>>()
                     };
                     [0.0, 0.25].into_iter().enumerate().map(move |(part, phase)| Unit {
                         amount: 2 * case + part,
@@ -236,7 +236,7 @@ fn of_structure(case: &Prepared, hz: f64, damping: f64, is_included: bool) -> Op
 /// A series without what is faster than this many cycles a point, without a delay: a lag of second order forwards and backwards.
 fn smooth(series: &[f64], cycles_a_point: f64) -> Vec<f64> {
     let pass = |series: &mut dyn Iterator<Item = f64>, start: f64| -> Vec<f64> {
-        let keep = (-TAU * cycles_a_point).exp();
+        let keep = libm::exp(-TAU * cycles_a_point);
         let (mut first, mut second) = (start, start);
         series
             .map(|value| {

@@ -75,7 +75,7 @@ fn squares(misfits: &[Misfit]) -> Vec<f64> {
 
 /// How far the squared error falls from one model to another: mean of the signals' logarithmic ratios, so that no signal counts for more than another.
 fn fall(before: &[f64], after: &[f64]) -> f64 {
-    let ratios: f64 = before.iter().zip(after).map(|(before, after)| (before / after).ln()).sum();
+    let ratios: f64 = before.iter().zip(after).map(|(before, after)| libm::log(before / after)).sum();
     ratios / before.len().max(1) as f64
 }
 

@@ -13,7 +13,7 @@ impl EffectParameter {
         // The usual range, widened threefold, is ±2 standard deviations.
         let logarithm = |(low, high): (f64, f64), vanishes: bool| Freedom::Logarithm {
             centre: (low * high).sqrt(),
-            spread: ((high / low).ln() + 2.0 * 3.0_f64.ln()) / 4.0,
+            spread: (libm::log(high / low) + 2.0 * libm::log(3.0_f64)) / 4.0,
             vanishes,
         };
         let freedom = match self.kind {
@@ -87,7 +87,7 @@ impl EffectParameter {
         match self.kind {
             Kind::Shape(range, count) => {
                 let (low, high) = range(scene);
-                (0..count).map(|index| low * (high / low).powf((index as f64 + 0.5) / count as f64)).collect()
+                (0..count).map(|index| low * libm::pow(high / low, (index as f64 + 0.5) / count as f64)).collect()
             }
             Kind::Place(range, shares) | Kind::Floor(range, shares) | Kind::Setting(range, shares) => {
                 let (low, high) = range(scene);

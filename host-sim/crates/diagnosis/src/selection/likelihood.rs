@@ -31,10 +31,10 @@ pub(crate) fn ranked_by(
         let series = base.residuals.iter().flatten().zip(candidate.residuals.iter().flatten());
         let gain: f64 = series
             .zip(&samples)
-            .map(|((before, after), samples)| 0.5 * samples * (floored(before) / floored(after)).ln())
+            .map(|((before, after), samples)| 0.5 * samples * libm::log(floored(before) / floored(after)))
             .sum();
         gain + straightened(question, base, candidate)
-            - 0.5 * candidate.new_values(question) as f64 * total.max(2.0).ln()
+            - 0.5 * candidate.new_values(question) as f64 * libm::log(total.max(2.0))
     };
     let valued = |candidate: Candidate| {
         let net = net(&candidate);
@@ -122,7 +122,7 @@ pub(crate) fn gained(before: &[f64], after: &[f64], counts: Counts) -> f64 {
 }
 
 fn gained_by(samples: f64, before: &[f64], after: &[f64]) -> f64 {
-    0.5 * samples * (floored(before) / floored(after)).ln()
+    0.5 * samples * libm::log(floored(before) / floored(after))
 }
 
 /// The independent samples of the residual that has fewer, so that the gain from one to the other is the loss in the opposite direction.
@@ -231,6 +231,6 @@ impl Gained {
 
     /// Penalty for this number of fitted values: half the logarithm of the samples for each.
     pub(crate) fn cost(&self, values: usize) -> f64 {
-        0.5 * values as f64 * f64::max(self.samples, 2.0).ln()
+        0.5 * values as f64 * libm::log(f64::max(self.samples, 2.0))
     }
 }

@@ -334,7 +334,7 @@ fn jump(
     const POINTS: [usize; 2] = [12, 4];
     let grid = |effect_parameter: &EffectParameter, points: usize| -> Vec<f64> {
         let (low, high) = effect_parameter.range(scene);
-        (0..points).map(|index| low * (high / low).powf((index as f64 + 0.5) / points as f64)).collect()
+        (0..points).map(|index| low * libm::pow(high / low, (index as f64 + 0.5) / points as f64)).collect()
     };
     let tries = form
         .iter()

@@ -187,7 +187,7 @@ fn squares(pairs: &Pairs) -> (f64, f64) {
 fn log_likelihood(pairs: &Pairs) -> f64 {
     let (one, other) = squares(pairs);
     let independent: f64 = pairs.iter().map(|(one, _)| independent_squares(one)).sum();
-    0.5 * independent * (one / other).ln()
+    0.5 * independent * libm::log(one / other)
 }
 
 /// How many independent ones a mean square of a series is worth: squares of a series whose neighbours are correlated by r are correlated by r².
@@ -216,7 +216,7 @@ pub(crate) fn follows(yardstick: &Yardstick) -> Option<Shows> {
     let (all, longest_s) = (0..follows.runs.len(), longest_s(follows));
     let settling_s = follows.shape.settling_s();
     // One more value: the time in which it comes to rest.
-    let penalty = 0.5 * pairs.iter().map(|(one, _)| independent_squares(one)).sum::<f64>().ln().max(0.0);
+    let penalty = 0.5 * libm::log(pairs.iter().map(|(one, _)| independent_squares(one)).sum::<f64>()).max(0.0);
     let is_by_far = takes_half(&pairs) && log_likelihood(&pairs) > penalty + BEYOND_PENALTY;
     // What comes to rest later than any recording lasts, integrates as far as these tell; or it rings by itself, whatever the command is.
     let rests = settling_s.max(follows.shape.decay_s()) <= longest_s;

@@ -75,7 +75,7 @@ fn pressure_doubt(column: &Column, machine: &Machine<f64>) -> Option<UnitDoubt> 
 /// A column that reaches an impossible value, with the unit in which this value comes nearest to the middle of the possible ones.
 fn beyond(column: &Column, bound: Bound, (least, most): (f64, f64)) -> UnitDoubt {
     let high = column.unit.from_si(extent(&column.values).1);
-    let off = |unit: &Unit| (unit.to_si(high) / (0.5 * most)).ln().abs();
+    let off = |unit: &Unit| libm::log(unit.to_si(high) / (0.5 * most)).abs();
     let possible = |unit: &Unit| (least..=most).contains(&unit.to_si(high));
     let fitting = Unit::of(column.unit.dimension()).filter(possible).min_by(|a, b| off(a).total_cmp(&off(b)));
     UnitDoubt::Beyond { signal: column.signal, unit: column.unit, high, bound, fitting }

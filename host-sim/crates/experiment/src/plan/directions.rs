@@ -140,7 +140,7 @@ fn points(scene: &Scene<'_>, form: Form) -> Vec<(Values, Vec<(Values, bool)>)> {
         let tries = form.iter().map(|effect_parameter| {
             let (low, high) = effect_parameter.range(scene);
             let share = |index: usize| (index as f64 + 0.5) / TRIED as f64;
-            (effect_parameter.parameter, (0..TRIED).map(|index| low * (high / low).powf(share(index))).collect())
+            (effect_parameter.parameter, (0..TRIED).map(|index| low * libm::pow(high / low, share(index))).collect())
         });
         return combined(Vec::new(), tries).into_iter().map(|values| (Vec::new(), vec![(values, true)])).collect();
     }

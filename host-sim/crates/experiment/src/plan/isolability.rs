@@ -35,7 +35,7 @@ pub(crate) fn settled(products: &DMatrix<f64>, base_parameters: usize) -> DMatri
 
 /// Half the sum of squares that an effect with this many effect parameters has to gain with this many samples: its penalty, and what chance gives.
 pub(crate) fn needed(effect_parameters: usize, samples: f64) -> f64 {
-    0.5 * effect_parameters as f64 * samples.max(2.0).ln() + BEYOND_PENALTY
+    0.5 * effect_parameters as f64 * libm::log(samples.max(2.0)) + BEYOND_PENALTY
 }
 
 impl Isolability {
@@ -57,7 +57,7 @@ impl Isolability {
             let takes_in =
                 directions.effects[rival].extends.is_some_and(|of| of.plain == directions.effects[truth].name);
             let more = directions.fewest(rival) as f64 - directions.fewest(truth) as f64;
-            let net = 0.5 * left + 0.5 * more * samples.max(2.0).ln();
+            let net = 0.5 * left + 0.5 * more * libm::log(samples.max(2.0));
             // Among rivals that follow equally well, one with more effect parameters is less likely; with equal numbers, the form decides.
             truth == rival
                 || takes_in
@@ -94,7 +94,7 @@ impl Isolability {
     pub(crate) fn worth(&self) -> (usize, f64) {
         self.accepted().fold((0, 0.0), |(count, far), truth| {
             let separated = self.separated[truth].iter().filter(|separated| **separated).count();
-            let by: f64 = self.left[truth].iter().map(|left| left.ln_1p()).sum();
+            let by: f64 = self.left[truth].iter().map(|left| libm::log1p(*left)).sum();
             (count + separated, far + by)
         })
     }

@@ -108,7 +108,7 @@ impl Part {
     /// The error over the noise and the sway together.
     fn over_sway(&self) -> f64 {
         let sway = self.sway.map_or(0.0, |sway| sway.rms);
-        self.fit.rmse / (self.fit.rmse / self.fit.over_noise).hypot(sway)
+        self.fit.rmse / libm::hypot(self.fit.rmse / self.fit.over_noise, sway)
     }
 }
 
@@ -131,7 +131,7 @@ fn parts(comparison: &Comparison) -> impl Iterator<Item = Part> + '_ {
 /// The signals of a section, their fits over noise: the signal's own noise, and the input noise from the section's input.
 fn noise_counted(section: &SectionFit) -> impl Iterator<Item = Part> + '_ {
     section.fits.iter().zip(&section.input_noise).enumerate().map(|(index, (fit, input_noise))| {
-        let noise = (fit.rmse / fit.over_noise).hypot(*input_noise);
+        let noise = libm::hypot(fit.rmse / fit.over_noise, *input_noise);
         let sway = section.sways.get(index).copied().flatten();
         Part { section: section.section, fit: SignalFit { over_noise: fit.rmse / noise, ..*fit }, sway }
     })

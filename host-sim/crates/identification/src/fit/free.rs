@@ -65,7 +65,7 @@ pub const REACH_SIGNED: f64 = 1.5 * REACH;
 
 /// Standard deviations from the middle of the prior at a coordinate: the coordinate itself near 0, and never more than [`REACH`].
 fn reached(coordinate: f64, vanishes: bool) -> f64 {
-    if vanishes && coordinate < 0.0 { coordinate } else { REACH * (coordinate / REACH).tanh() }
+    if vanishes && coordinate < 0.0 { coordinate } else { REACH * libm::tanh(coordinate / REACH) }
 }
 
 /// Standard deviation, as a share of a positive value, up to which its prior is Gaussian.
@@ -92,7 +92,7 @@ impl Free {
         let freedom = if is_positive && nominal <= 0.0 {
             Freedom::Logarithm { centre: 0.5 * sigma, spread: 0.7, vanishes: true }
         } else if is_positive && sigma > KNOWN_WITHIN * nominal {
-            Freedom::Roughly { least: 0.0, nominal, spread: (1.0 + sigma / nominal).ln() }
+            Freedom::Roughly { least: 0.0, nominal, spread: libm::log(1.0 + sigma / nominal) }
         } else {
             Freedom::Around { nominal, sigma }
         };
@@ -102,7 +102,7 @@ impl Free {
     /// A base parameter that always exceeds `least`.
     #[must_use]
     pub fn above(least: f64, parameter: Parameter, nominal: f64, sigma: f64) -> Self {
-        let spread = (1.0 + sigma / (nominal - least)).ln();
+        let spread = libm::log(1.0 + sigma / (nominal - least));
         Self { parameter, freedom: Freedom::Roughly { least, nominal, spread } }
     }
 
@@ -198,14 +198,14 @@ impl Free {
         let value = match self.freedom {
             Freedom::Around { nominal, sigma } => nominal + sigma * coordinate,
             Freedom::Roughly { least, nominal, spread } => {
-                least + (nominal - least) * (spread * coordinate).clamp(-40.0, 40.0).exp()
+                least + (nominal - least) * libm::exp((spread * coordinate).clamp(-40.0, 40.0))
             }
-            Freedom::Within { most, is_signed: true } => most * (0.5 * coordinate).tanh(),
-            Freedom::Within { most, is_signed: false } => most * 0.5 * (1.0 + (0.5 * coordinate).tanh()),
-            Freedom::Near { nominal, most, .. } => nominal + most * (0.5 * coordinate).tanh(),
-            Freedom::Signed { sigma } => sigma * REACH_SIGNED * (coordinate / REACH_SIGNED).tanh(),
+            Freedom::Within { most, is_signed: true } => most * libm::tanh(0.5 * coordinate),
+            Freedom::Within { most, is_signed: false } => most * 0.5 * (1.0 + libm::tanh(0.5 * coordinate)),
+            Freedom::Near { nominal, most, .. } => nominal + most * libm::tanh(0.5 * coordinate),
+            Freedom::Signed { sigma } => sigma * REACH_SIGNED * libm::tanh(coordinate / REACH_SIGNED),
             Freedom::Logarithm { centre, spread, vanishes } => {
-                centre * (spread * reached(coordinate, vanishes)).max(-40.0).exp()
+                centre * libm::exp((spread * reached(coordinate, vanishes)).max(-40.0))
             }
         };
         let (least, most) = self.ends();
@@ -218,7 +218,7 @@ impl Free {
         match self.freedom {
             Freedom::Around { nominal, sigma } => (value - nominal) / sigma,
             Freedom::Roughly { least, nominal, spread } => {
-                ((value - least) / (nominal - least)).max(1e-17).ln() / spread
+                libm::log(((value - least) / (nominal - least)).max(1e-17)) / spread
             }
             Freedom::Within { most, is_signed } => {
                 let share = if is_signed { value / most } else { 2.0 * value / most - 1.0 };
@@ -227,7 +227,7 @@ impl Free {
             Freedom::Near { nominal, most, .. } => 2.0 * ((value - nominal) / most).clamp(-0.99, 0.99).atanh(),
             Freedom::Signed { sigma } => REACH_SIGNED * (value / sigma / REACH_SIGNED).clamp(-0.99, 0.99).atanh(),
             Freedom::Logarithm { centre, spread, vanishes } => {
-                let deviations = (value / centre).max(1e-17).ln() / spread;
+                let deviations = libm::log((value / centre).max(1e-17)) / spread;
                 if vanishes && deviations < 0.0 {
                     deviations
                 } else {
@@ -252,10 +252,10 @@ impl Free {
             Freedom::Roughly { least, spread, .. } => spread * (self.value(coordinate) - least),
             Freedom::Within { most, is_signed } => {
                 let whole = if is_signed { most } else { 0.5 * most };
-                0.5 * whole * (1.0 - (0.5 * coordinate).tanh().powi(2))
+                0.5 * whole * (1.0 - libm::tanh(0.5 * coordinate).powi(2))
             }
-            Freedom::Near { most, .. } => 0.5 * most * (1.0 - (0.5 * coordinate).tanh().powi(2)),
-            Freedom::Signed { sigma } => sigma * (1.0 - (coordinate / REACH_SIGNED).tanh().powi(2)),
+            Freedom::Near { most, .. } => 0.5 * most * (1.0 - libm::tanh(0.5 * coordinate).powi(2)),
+            Freedom::Signed { sigma } => sigma * (1.0 - libm::tanh(coordinate / REACH_SIGNED).powi(2)),
             Freedom::Logarithm { spread, vanishes, .. } => {
                 let share = reached(coordinate, vanishes) / REACH;
                 let held = if vanishes && coordinate < 0.0 { 1.0 } else { 1.0 - share * share };

@@ -30,7 +30,7 @@ impl StartState {
     /// the search there with a zero derivative.
     pub(crate) fn level_on(&self, machine: &Machine<f64>) -> f64 {
         let usual = machine.get(Parameter::LevelAtRest);
-        at_logit((usual / (1.0 - usual)).ln() + LOGIT_SIGMA * self.level)
+        at_logit(libm::log(usual / (1.0 - usual)) + LOGIT_SIGMA * self.level)
     }
 
     /// Derivative of the level with respect to its coordinate.
@@ -42,7 +42,7 @@ impl StartState {
 
 /// The share with this logit, 0..1.
 fn at_logit(logit: f64) -> f64 {
-    1.0 / (1.0 + (-logit).exp())
+    1.0 / (1.0 + libm::exp(-logit))
 }
 
 /// Whether the level of pressure at rest is needed, as it is not recorded.

@@ -125,7 +125,7 @@ impl<'a> Sensitivity<'a> {
                 let mut sums = vec![(0.0, 0.0); case.channels.len()];
                 for (row, residuals) in block.residuals.chunks_exact(case.channels.len()).enumerate() {
                     let time_s = case.time_s[row * self.kept.stride];
-                    let (sine, cosine) = (std::f64::consts::TAU * hz * time_s).sin_cos();
+                    let (sine, cosine) = libm::sincos(std::f64::consts::TAU * hz * time_s);
                     for (sum, (residual, _)) in sums.iter_mut().zip(residuals) {
                         *sum = (sum.0 + residual * cosine, sum.1 + residual * sine);
                     }

@@ -76,7 +76,7 @@ impl Course {
         let places = &self.places;
         let z = times * beyond_chance(places.len());
         let beyond = |high: usize, low: usize| {
-            let error = places[high].error.hypot(places[low].error);
+            let error = libm::hypot(places[high].error, places[low].error);
             places[high].output - places[low].output > (z * error).max(least)
         };
         let (mut lowest, mut highest) = (0, 0);
@@ -108,7 +108,7 @@ impl Course {
 /// (Bonferroni; the tail of the normal distribution by its bound exp(−z²/2)/2 on either side).
 pub(crate) fn beyond_chance(values: usize) -> f64 {
     let pairs = (values * values.saturating_sub(1) / 2).max(1) as f64;
-    (2.0 * (pairs / FALSE_TURN).ln()).sqrt()
+    (2.0 * libm::log(pairs / FALSE_TURN)).sqrt()
 }
 
 /// What rows are off their line.

@@ -112,7 +112,7 @@ impl Sweep<'_> {
         Some(Hysteresis {
             width,
             std,
-            std_error: (variance / count).sqrt().hypot((to - from) / (rows - 1.0) / 6_f64.sqrt()),
+            std_error: libm::hypot((variance / count).sqrt(), (to - from) / (rows - 1.0) / 6_f64.sqrt()),
             levels: widths.len(),
             at_null,
             share_of_span: width / (to - from),

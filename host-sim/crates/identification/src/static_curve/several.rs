@@ -176,8 +176,10 @@ impl Comparison {
 fn shrinks_by(loops: &[LoopAtRate]) -> Option<Estimate> {
     let slowest = loops.first()?;
     let faster = loops.iter().filter(|one| one.rate > ONE_RATE * slowest.rate);
-    let by =
-        |one: &LoopAtRate| Estimate { value: one.width - slowest.width, std: one.std_error.hypot(slowest.std_error) };
+    let by = |one: &LoopAtRate| Estimate {
+        value: one.width - slowest.width,
+        std: libm::hypot(one.std_error, slowest.std_error),
+    };
     faster.map(by).max_by(|a, b| (a.value / a.std).total_cmp(&(b.value / b.std)))
 }
 

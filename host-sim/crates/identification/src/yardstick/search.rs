@@ -72,7 +72,7 @@ impl<'a> Sought<'a> {
     fn grid(&self) -> Vec<Vec<f64>> {
         const TIMES: u32 = 10;
         let (least, most) = (0.3 * self.spacing_s, 0.5 * self.longest_s);
-        let times = (0..TIMES).map(|step| least * (most / least).powf(f64::from(step) / f64::from(TIMES - 1)));
+        let times = (0..TIMES).map(|step| least * libm::pow(most / least, f64::from(step) / f64::from(TIMES - 1)));
         let delays = [0.0, 2.0 * self.spacing_s, 0.2 * self.most_delay_s, 0.6 * self.most_delay_s];
         let dampings: &[f64] = match self.kind {
             Kind::Integrates => &[1.0],
@@ -82,8 +82,8 @@ impl<'a> Sought<'a> {
         for time_s in times {
             for delay_s in delays {
                 for damping in dampings {
-                    let mut at = vec![delay_s / self.spacing_s, time_s.ln()];
-                    at.extend((self.kind == Kind::Follows).then(|| damping.ln()));
+                    let mut at = vec![delay_s / self.spacing_s, libm::log(time_s)];
+                    at.extend((self.kind == Kind::Follows).then(|| libm::log(*damping)));
                     grid.push(at);
                 }
             }
@@ -93,10 +93,10 @@ impl<'a> Sought<'a> {
 
     /// The shape and the delay at these coordinates.
     fn shape(&self, at: &[f64]) -> (Shape, f64) {
-        let time_s = at[1].clamp((0.03 * self.spacing_s).ln(), (30.0 * self.longest_s).ln()).exp();
+        let time_s = libm::exp(at[1].clamp(libm::log(0.03 * self.spacing_s), libm::log(30.0 * self.longest_s)));
         let shape = match self.kind {
             Kind::Integrates => Shape::Integrates { lag_s: time_s },
-            Kind::Follows => Shape::Follows { omega: 1.0 / time_s, damping: at[2].clamp(-4.0, 6.0).exp() },
+            Kind::Follows => Shape::Follows { omega: 1.0 / time_s, damping: libm::exp(at[2].clamp(-4.0, 6.0)) },
         };
         (shape, (at[0] * self.spacing_s).clamp(0.0, self.most_delay_s))
     }

@@ -62,7 +62,7 @@ impl Shape {
     pub(super) fn step(&self, time_s: f64) -> Step {
         match *self {
             Self::Integrates { lag_s } => {
-                let kept = (-time_s / lag_s).exp();
+                let kept = libm::exp(-time_s / lag_s);
                 let reached_s = lag_s * (1.0 - kept);
                 Step { matrix: [[1.0, reached_s], [0.0, kept]], input: [time_s - reached_s, 1.0 - kept] }
             }
@@ -72,16 +72,16 @@ impl Shape {
                 let beta = omega * apart.abs().sqrt();
                 // e^(−decay·t) times the (hyperbolic) cosine, and times the sine over beta.
                 let (cosine, sine) = if beta * time_s < 1e-4 {
-                    let kept = (-decay * time_s).exp();
+                    let kept = libm::exp(-decay * time_s);
                     (kept, kept * time_s)
                 } else if apart < 0.0 {
-                    let (sine, cosine) = (beta * time_s).sin_cos();
-                    let kept = (-decay * time_s).exp();
+                    let (sine, cosine) = libm::sincos(beta * time_s);
+                    let kept = libm::exp(-decay * time_s);
                     (kept * cosine, kept * sine / beta)
                 } else {
                     // ζω − ω√(ζ² − 1) without cancellation.
                     let slow = omega * omega / (decay + beta);
-                    let (slow, fast) = ((-slow * time_s).exp(), (-(decay + beta) * time_s).exp());
+                    let (slow, fast) = (libm::exp(-slow * time_s), libm::exp(-(decay + beta) * time_s));
                     (0.5 * (slow + fast), 0.5 * (slow - fast) / beta)
                 };
                 let matrix = [[cosine + decay * sine, sine], [-omega * omega * sine, cosine - decay * sine]];

@@ -192,7 +192,11 @@ pub fn derived(answers: &Answers, edges: Edges) -> Result<Derived, SheetError> {
     let uncounted = LOAD_WITHIN * supply.si * area_a;
     if let Some(load) = load {
         made.given("load", "force_n", load, load.si);
-        made.sigma("load.force_n", (0.05 * load.si.abs()).hypot(uncounted), "given: within 5 %, and 1 % of full force");
+        made.sigma(
+            "load.force_n",
+            libm::hypot(0.05 * load.si.abs(), uncounted),
+            "given: within 5 %, and 1 % of full force",
+        );
     } else {
         made.push("load", "force_n", vec![0.0], Origin::Assumed, "no load was named".to_owned());
         made.sigma("load.force_n", uncounted, "assumed: within 1 % of full force");

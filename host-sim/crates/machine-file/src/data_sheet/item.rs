@@ -87,7 +87,7 @@ items! {
         "Oil per turn of the pump that feeds the cylinder directly, in place of a valve";
     RatedFlow "rated-flow" OfValve, [Flow] Positive, "40l/min", "Rated flow of the valve, at the rated pressure drop and signal";
     RatedDrop "rated-drop" OfValve, [Pressure] Positive, "5bar",
-        "Rated pressure drop, over one edge unless --rated-drop-over says both: usually 35 bar an edge of servo valves, 5 bar of proportional ones";
+        "Rated pressure drop, over one edge unless it is said to be over both: usually 35 bar an edge of servo valves, 5 bar of proportional ones";
     RatedSignal "rated-signal" OfValve, [Voltage Current] Positive, "10V", "Signal at which the valve is fully open";
     ValveResponse "valve-response" OneOf(SPEEDS), [Time] Positive, "50ms", "Time of the spool from 0 to 90 % after a small step, dead time included";
     ValveFrequency "valve-frequency" OneOf(SPEEDS), [Frequency] Positive, "20Hz",

@@ -77,14 +77,14 @@ fn reaches_90_percent(damping: f64, turn: f64) -> bool {
         if phase >= std::f64::consts::PI {
             return true;
         }
-        return (-damping * turn).exp() * (phase.cos() + damping / swing * phase.sin()) < 0.1;
+        return libm::exp(-damping * turn) * (libm::cos(phase) + damping / swing * libm::sin(phase)) < 0.1;
     }
     if apart < 1e-12 {
-        return (-turn).exp() * (1.0 + turn) < 0.1;
+        return libm::exp(-turn) * (1.0 + turn) < 0.1;
     }
     let root = apart.sqrt();
     let (slow, fast) = (damping - root, damping + root);
-    (fast * (-slow * turn).exp() - slow * (-fast * turn).exp()) / (2.0 * root) < 0.1
+    (fast * libm::exp(-slow * turn) - slow * libm::exp(-fast * turn)) / (2.0 * root) < 0.1
 }
 
 #[cfg(test)]

@@ -30,10 +30,15 @@ pub fn unknown_columns(path: &Path, recording: &Recording) -> Result<Vec<Unknown
     if recording.ignored().is_empty() {
         return Ok(Vec::new());
     }
-    let all = survey(path)?;
+    Ok(unknown_among(&survey(path)?, recording))
+}
+
+/// Of the surveyed columns of a recording's file those that hold no known signal.
+#[must_use]
+pub fn unknown_among(all: &[Surveyed], recording: &Recording) -> Vec<UnknownColumn> {
     let clock = recording.column(Signal::Time);
     let clock = clock.and_then(|clock| all.iter().find(|column| is_called(column, &clock.header)));
-    Ok(recording.ignored().iter().map(|header| with_times(header, &all, clock, recording)).collect())
+    recording.ignored().iter().map(|header| with_times(header, all, clock, recording)).collect()
 }
 
 fn is_called(column: &Surveyed, header: &str) -> bool {

@@ -253,7 +253,7 @@ fn shifts(shown: &Shown) -> Vec<Shift> {
 fn dither(command: &[f64], interval_s: f64) -> Option<SpectralLine> {
     let changes: Vec<f64> = command.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let line = strongest_line(&changes, interval_s, SLOWEST_DITHER_HZ).filter(|line| line.above > ABOVE)?;
-    let amplitude = line.amplitude / (2.0 * (std::f64::consts::PI * line.hz * interval_s).sin());
+    let amplitude = line.amplitude / (2.0 * libm::sin(std::f64::consts::PI * line.hz * interval_s));
     let (low, high) = extent(command);
     (amplitude > LEAST_SHARE * (high - low) && amplitude > resolution(command))
         .then_some(SpectralLine { amplitude, ..line })

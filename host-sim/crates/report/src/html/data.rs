@@ -164,7 +164,7 @@ fn fine<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
         .filter(|value| value.is_finite())
         .fold((f64::MAX, f64::MIN), |all: (f64, f64), value| (all.0.min(*value), all.1.max(*value)));
     let range = if high > low { high - low } else { 1.0 };
-    let unit = 10.0_f64.powf((range / FINE).log10().ceil());
+    let unit = libm::pow(10.0_f64, libm::log10(range / FINE).ceil());
     // 1e-3 and not 0.0010000000000000002.
     format!("{unit:.0e}").parse().unwrap_or(unit)
 }

@@ -101,7 +101,7 @@ fn not_confirmed(diagnosis: &Diagnosis) -> Markup {
 
 /// How much of its promise the choice keeps.
 fn kept(confirmation: &Confirmation) -> String {
-    let percent = |fall: f64| significant(100.0 * (-fall).exp(), 3);
+    let percent = |fall: f64| significant(100.0 * libm::exp(-fall), 3);
     format!(
         "With it, the squared error falls to {} % in training and to {} % on the held-out recordings (mean of the signals).",
         percent(confirmation.promised),

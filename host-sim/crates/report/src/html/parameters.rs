@@ -161,7 +161,7 @@ fn allowed(prior: &Free) -> String {
         Freedom::Roughly { least, spread, .. } => {
             // A chamber volume is known by what is in it beyond what the piston displaces.
             let of = if least > 0.0 { format!(" above {}", number(least, 3)) } else { String::new() };
-            format!("a factor of {}{of}", significant(spread.exp(), 2))
+            format!("a factor of {}{of}", significant(libm::exp(spread), 2))
         }
         _ => format!("± {}", number((prior.usually_off()[0] - prior.nominal()).abs(), 2)),
     }

@@ -40,14 +40,14 @@ impl Axis {
     /// Round values on the axis, about this many, with their labels.
     pub(crate) fn ticks(&self, about: f64) -> Vec<(f64, String)> {
         let rough = (self.high - self.low) / about;
-        let unit = 10.0_f64.powf(rough.log10().floor());
+        let unit = libm::pow(10.0_f64, libm::log10(rough).floor());
         let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * unit);
         let coarse = steps.iter().position(|step| *step >= rough * 0.999).unwrap_or(steps.len() - 1);
         // With a single number, an axis shows no scale.
         let enough = |step: f64| (self.high / step).floor() - (self.low / step).ceil() >= 1.0;
         let step = steps[..=coarse].iter().rev().copied().find(|step| enough(*step)).unwrap_or(0.5 * unit);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..12")]
-        let decimals = (-(step * 1.001).log10().floor()).clamp(0.0, 12.0) as usize;
+        let decimals = (-libm::log10(step * 1.001).floor()).clamp(0.0, 12.0) as usize;
         let first = (self.low / step).ceil();
         (0..40)
             .map(|index| (first + f64::from(index)) * step)

@@ -54,9 +54,9 @@ fn draw(area: &Area<'_>, title: &str, axis: &str, groups: &[BarGroup]) -> Drawn 
     area.fill(&PAPER)?;
     write(area, title, (16, 12), 15, INK, HPos::Left)?;
     let values = || groups.iter().flat_map(|group| &group.bars).map(|bar| bar.value).filter(|value| value.is_finite());
-    let decades = values().fold(10.0_f64, f64::max).log10().ceil().clamp(1.0, 12.0);
+    let decades = libm::log10(values().fold(10.0_f64, f64::max)).ceil().clamp(1.0, 12.0);
     let at = |value: f64| {
-        let share = (value.max(1e-300).log10() / decades).clamp(0.0, 1.0);
+        let share = (libm::log10(value.max(1e-300)) / decades).clamp(0.0, 1.0);
         #[expect(clippy::cast_possible_truncation, reason = "between two pixels")]
         let pixel = (f64::from(LEFT) + share * f64::from(RIGHT - LEFT)).round() as i32;
         pixel

@@ -94,7 +94,7 @@ fn colour(cell: Cell) -> Option<RGBColor> {
         Cell::Own => Some(OWN),
         Cell::Alike => Some(ALIKE),
         Cell::Distance(deviations) => {
-            let share = (deviations.max(1.0).log10() / 3.0).min(1.0);
+            let share = (libm::log10(deviations.max(1.0)) / 3.0).min(1.0);
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between two bytes")]
             let [red, green, blue] = [0, 1, 2].map(|channel| {
                 let (near, far) = (f64::from(NEAR[channel]), f64::from(FAR[channel]));

@@ -72,7 +72,7 @@ pub fn most_changed(finding: &Finding) -> Option<(&Estimate, f64)> {
     });
     let by = |(estimate, before): &(&Estimate, f64)| {
         let ratio = estimate.value / before;
-        let ratio = if ratio > 0.0 { ratio.ln().abs() } else { f64::INFINITY };
+        let ratio = if ratio > 0.0 { libm::log(ratio).abs() } else { f64::INFINITY };
         let deviations = (estimate.value - before).abs() / estimate.std;
         (if deviations.is_nan() { -1.0 } else { deviations }, ratio)
     };

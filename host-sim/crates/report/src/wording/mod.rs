@@ -35,4 +35,4 @@ pub use structure::{shown, structure, structure_shown, yardstick};
 pub use tests_to_make::{look_alikes, separated_by};
 pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
 pub use unfinished::{best_so_far, left_out, limit_reached, not_tried, slow, spent};
-pub use unit::unit_doubt;
+pub use unit::{notes, own_notes, unit_doubt, unit_notes};

@@ -1,8 +1,28 @@
-//! Units that can hardly be right for a drive.
+//! Notes of a recording, and units that can hardly be right for a drive.
 
-use experiment::inspect::{Bound, CommandRange, UnitDoubt};
-use recording::Unit;
+use experiment::inspect::{Bound, CommandRange, UnitDoubt, unit_doubts};
+use model_core::machine::Machine;
 use recording::display_unit::significant;
+use recording::{Recording, Unit};
+
+/// The notes of a recording, and doubts about its units for this drive, each with the recording's name.
+#[must_use]
+pub fn notes(recording: &Recording, machine: &Machine<f64>) -> Vec<String> {
+    [own_notes(recording), unit_notes(recording, machine)].concat()
+}
+
+/// The notes made when a recording was read, with its name.
+#[must_use]
+pub fn own_notes(recording: &Recording) -> Vec<String> {
+    recording.notes().iter().map(|note| format!("{}: {note}", recording.name())).collect()
+}
+
+/// Doubts about the units of a recording for this drive, with its name.
+#[must_use]
+pub fn unit_notes(recording: &Recording, machine: &Machine<f64>) -> Vec<String> {
+    let doubts = unit_doubts(recording, machine);
+    doubts.iter().map(|doubt| format!("{}: {}", recording.name(), unit_doubt(doubt))).collect()
+}
 
 /// Why a unit can hardly be right for this drive, and what would do.
 #[must_use]

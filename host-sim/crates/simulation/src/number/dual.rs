@@ -181,7 +181,7 @@ impl<const B: usize> Real for Dual<B> {
         self.chain(value, value)
     }
     fn cos(self) -> Self {
-        self.chain(Real::cos(self.value), -self.value.sin())
+        self.chain(Real::cos(self.value), -libm::sin(self.value))
     }
     fn acos(self) -> Self {
         self.chain(Real::acos(self.value), -1.0 / (1.0 - self.value * self.value).sqrt())

@@ -56,7 +56,7 @@ fn rounded_twice(values: &[f64], step: f64) -> f64 {
     let slow = levels.windows(2).filter(|pair| pair[0].len() > 1 && pair[1].len() > 1);
     let ways: Vec<f64> = slow.map(|pair| (pair[1][0] - pair[0][0]).abs() / step).filter(|way| *way < 2.5).collect();
     let mean = ways.iter().sum::<f64>() / ways.len() as f64;
-    if ways.len() >= TRANSITIONS && mean > TWICE_FROM { mean.hypot(1.0) } else { 1.0 }
+    if ways.len() >= TRANSITIONS && mean > TWICE_FROM { libm::hypot(mean, 1.0) } else { 1.0 }
 }
 
 /// Least share of the rows that repeat the reading before: with fewer, third differences show what rounding does.

@@ -33,7 +33,7 @@ pub fn strongest_line(values: &[f64], interval_s: f64, least_hz: f64) -> Option<
         .iter()
         .enumerate()
         .map(|(row, value)| {
-            let weight = 0.5 * (1.0 - (std::f64::consts::TAU * row as f64 / count as f64).cos());
+            let weight = 0.5 * (1.0 - libm::cos(std::f64::consts::TAU * row as f64 / count as f64));
             Complex::new((value - mean) * weight, 0.0)
         })
         .collect();

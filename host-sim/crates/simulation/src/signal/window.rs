@@ -41,7 +41,7 @@ impl Window {
             .step_by((rows / 2).max(1))
             .map(|from| {
                 let (start, span) = (time_s[from], time_s[from + rows] - time_s[from]);
-                let bump = |row: usize| 0.5 * (1.0 - (TAU * (time_s[row] - start) / span).cos());
+                let bump = |row: usize| 0.5 * (1.0 - libm::cos(TAU * (time_s[row] - start) / span));
                 // Differences of the bump, not its derivatives: summed by parts they are differences of the signal.
                 let weights = (from..=from + rows)
                     .map(|row| {

@@ -97,7 +97,7 @@ impl Candidate {
         }
         // Between two steps of its search the value may be anywhere.
         let unsearched = step / 12.0_f64.sqrt();
-        Ok((!sides.is_empty()).then(|| unsearched.hypot(sides.iter().sum::<f64>() / sides.len() as f64)))
+        Ok((!sides.is_empty()).then(|| libm::hypot(unsearched, sides.iter().sum::<f64>() / sides.len() as f64)))
     }
 }
 

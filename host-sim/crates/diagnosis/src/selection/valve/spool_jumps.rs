@@ -135,7 +135,7 @@ impl<'a> Sticking<'a> {
             .filter(|(_, jumps)| jumps.len() >= FEWEST_JUMPS)
             .collect();
         // The middle between two levels, each of which is the mean of a few rows.
-        let noise = (0.5 * sensor).hypot(unseen);
+        let noise = libm::hypot(0.5 * sensor, unseen);
         (recordings.len() >= at_least).then_some(Self { recordings, length, noise })
     }
 

@@ -564,4 +564,12 @@
     });
   });
   figures.forEach(live);
+
+  // In a frame that has its page as text, a link to a place within the page would lead out of it.
+  document.querySelectorAll(".contents a").forEach(function (link) {
+    link.addEventListener("click", function (event) {
+      event.preventDefault();
+      document.getElementById(link.hash.slice(1)).scrollIntoView();
+    });
+  });
 })();

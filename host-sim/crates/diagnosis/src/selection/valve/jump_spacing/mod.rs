@@ -56,7 +56,7 @@ impl JumpSpacing {
         let Some((best, most)) = by_length.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
             return Ok(None);
         };
-        let is_far = |length: &f64| (length / lengths[best]).ln().abs() > OTHER_SPACING_FROM;
+        let is_far = |length: &f64| libm::log(length / lengths[best]).abs() > OTHER_SPACING_FROM;
         let elsewhere = lengths.iter().zip(&by_length).filter(|(length, _)| is_far(length)).map(|(_, value)| *value);
         let evidence = mean_of_logarithms(&by_length);
         // Form errors give nearly the same evidence at every length; jumps stand out at their own length.
@@ -67,11 +67,11 @@ impl JumpSpacing {
     /// Whether held-out recordings prefer jumps of this length to none, by more than chance.
     pub fn is_in(&self, machine: &Machine<f64>, held_out: &[&Prepared]) -> Result<bool, MachineError> {
         let Some(by_length) = evidence(machine, held_out)? else { return Ok(false) };
-        let is_near = |length: &f64| (length / self.length).ln().abs() < SAME_SPACING_WITHIN;
+        let is_near = |length: &f64| libm::log(length / self.length).abs() < SAME_SPACING_WITHIN;
         let near: Vec<f64> =
             lengths().iter().zip(by_length).filter(|(length, _)| is_near(length)).map(|(_, value)| value).collect();
         let most = near.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        Ok(most - INDEPENDENT_SPACINGS.ln() > HELD_OUT_SPACING)
+        Ok(most - libm::log(INDEPENDENT_SPACINGS) > HELD_OUT_SPACING)
     }
 }
 
@@ -79,13 +79,13 @@ impl JumpSpacing {
 fn lengths() -> Vec<f64> {
     let (shortest, longest) = LENGTHS;
     let share = |index: usize| index as f64 / (COUNT - 1) as f64;
-    (0..COUNT).map(|index| shortest * (longest / shortest).powf(share(index))).collect()
+    (0..COUNT).map(|index| shortest * libm::pow(longest / shortest, share(index))).collect()
 }
 
 /// The logarithm of the mean of numbers of which the logarithms are given.
 fn mean_of_logarithms(values: &[f64]) -> f64 {
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    most + (values.iter().map(|value| (value - most).exp()).sum::<f64>() / values.len() as f64).ln()
+    most + libm::log(values.iter().map(|value| libm::exp(value - most)).sum::<f64>() / values.len() as f64)
 }
 
 /// Log-likelihood that recordings gain by jumps of each length. `None` where they cannot show it.
@@ -132,13 +132,13 @@ fn along(chain: &[BlockLikelihood<'_>], length: f64, height: usize, glides: f64)
         let gains = &gains[height];
         let most = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         for (phase, gain) in phases.iter_mut().zip(gains) {
-            *phase *= (gain - most).exp();
+            *phase *= libm::exp(gain - most);
         }
         let total: f64 = phases.iter().sum();
         for phase in &mut phases {
             *phase /= total;
         }
-        sum += most + total.ln();
+        sum += most + libm::log(total);
         last = Some(block);
     }
     sum
@@ -151,7 +151,7 @@ fn strayed(phases: &[f64; PHASES], variance: f64) -> [f64; PHASES] {
     const LEAST: f64 = 1e-12;
     let mut kernel: [f64; PHASES] = std::array::from_fn(|step| {
         let turns = step as f64 / PHASES as f64;
-        (-2..=2).map(|whole| (-0.5 * (turns + f64::from(whole)).powi(2) / variance.max(1e-6)).exp()).sum()
+        (-2..=2).map(|whole| libm::exp(-0.5 * (turns + f64::from(whole)).powi(2) / variance.max(1e-6))).sum()
     });
     let total: f64 = kernel.iter().sum();
     for share in &mut kernel {

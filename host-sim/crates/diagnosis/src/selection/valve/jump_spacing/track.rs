@@ -152,7 +152,7 @@ impl Track {
                 let angle = std::f64::consts::TAU * phase as f64 / PHASES as f64;
                 let shares: Vec<f64> = (1..=HARMONICS)
                     .flat_map(|harmonic| {
-                        let (sine, cosine) = (harmonic as f64 * angle).sin_cos();
+                        let (sine, cosine) = libm::sincos(harmonic as f64 * angle);
                         [sine, cosine]
                     })
                     .collect();
@@ -160,7 +160,7 @@ impl Track {
                 let own: f64 = between.iter().zip(&shares).map(|(row, share)| share * product(row, &shares)).sum();
                 for (height, gains) in HEIGHTS.iter().zip(&mut gains) {
                     let left = 1.0 + (height * height * own - 2.0 * height * matched) / noise;
-                    gains[phase] = -weight * left.max(LEAST_LEFT).ln();
+                    gains[phase] = -weight * libm::log(left.max(LEAST_LEFT));
                 }
             }
             BlockLikelihood { block, gains }
@@ -179,7 +179,7 @@ impl Track {
             let gain = 0.5 * (self.gain[row] + self.gain[row - 1]);
             // The mean over a row in which the spool moves at constant speed.
             let half = 0.5 * per_travel * (x - before);
-            let mean = if half.abs() < 1e-6 { 1.0 } else { half.sin() / half };
+            let mean = if half.abs() < 1e-6 { 1.0 } else { libm::sin(half) / half };
             let angle = per_travel * (0.5 * (x + before) - self.x[0]);
             sum += Complex::cis(angle) * (height * gain * mean * (self.time_s[row] - self.time_s[row - 1]));
             wave.push(sum);

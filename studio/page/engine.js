@@ -1,0 +1,79 @@
+// The crates, in a worker of their own: the page stays alive, and whatever runs can be ended.
+
+/** What a call that was stopped ends with. */
+class Stopped extends Error {}
+
+const engine = {
+  /** What the worker was given, to be given again to the next one. */
+  files: new Map(),
+  questions: [],
+
+  async start() {
+    this.wasm ??= await unpacked(byId('wasm').textContent);
+    this.source ??= URL.createObjectURL(new Blob([byId('worker').textContent], { type: 'text/javascript' }));
+    this.worker = new Worker(this.source);
+    this.open = new Map();
+    this.last = 0;
+    this.worker.onmessage = ({ data }) => this.answered(data);
+    this.worker.onerror = (event) => this.end(new Error(event.message || 'the worker cannot be started'));
+    this.questions = JSON.parse(await this.post({ wasm: this.wasm }));
+    for (const [name, bytes] of this.files) await this.call('put', [name, bytes]);
+  },
+
+  post(message, progress) {
+    const id = ++this.last;
+    return new Promise((done, failed) => {
+      this.open.set(id, { done, failed, progress });
+      this.worker.postMessage({ id, ...message });
+    });
+  },
+
+  /** The result of a method of the crates. */
+  call(method, given, progress) {
+    return this.post({ method, given }, progress);
+  },
+
+  async put(name, bytes) {
+    this.files.set(name, bytes);
+    await this.call('put', [name, bytes]);
+  },
+
+  async remove(name) {
+    this.files.delete(name);
+    await this.call('remove', [name]);
+  },
+
+  answered({ id, progress, result, error, isFault }) {
+    const call = this.open.get(id);
+    if (!call) return;
+    if (progress) return call.progress?.(progress);
+    this.open.delete(id);
+    if (error === undefined) return call.done(result);
+    call.failed(new Error(isFault ? `The program failed: ${error}. Please report this with the file.` : error));
+    if (isFault) this.restart(new Error(error));
+  },
+
+  /** Ends whatever runs. */
+  stop() {
+    return this.restart(new Stopped('stopped'));
+  },
+
+  end(reason) {
+    this.worker.terminate();
+    const open = [...this.open.values()];
+    this.open.clear();
+    open.forEach((call) => call.failed(reason));
+  },
+
+  restart(reason) {
+    this.end(reason);
+    return this.start();
+  },
+};
+
+/** Bytes from packed text. */
+async function unpacked(text) {
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return new Response(stream).arrayBuffer();
+}
