@@ -96,7 +96,7 @@ fn headline(all: &[Compared<'_>]) -> Markup {
         let (part, fit) = (format!("{}, {}", found.section, found.signal), percent(found.nrmse_percent));
         return html! {
             @if found.follows() { h1 class="nothing" { "Every part that could be judged follows; the weakest is " (part) " at " (fit) " %." } }
-            @else { h1 class="missing" { "The weakest part is " (part) " at " (fit) " %." } }
+            @else { h1 class=[found.is_judged.then_some("missing")] { "The weakest part is " (part) " at " (fit) " %." } }
         };
     }
     let means: Vec<Vec<(Signal, f64)>> = all.iter().map(|one| mean_fits(one.comparisons)).collect();
@@ -176,16 +176,16 @@ fn side_by_side(all: &[Compared<'_>], here: &[Section]) -> Markup {
         section {
             h2 { "Every part" }
             table class="wide" {
-                tr { th { "part" } th class="left" { "signal" }
+                tr { th { "part, signal" }
                     @for one in all { th { @if all.len() > 1 { (one.label) ", " } "fit, %" } th { "RMSE" } } }
                 @for section in here {
-                    @for (index, signal) in signals(all, *section).into_iter().enumerate() {
-                        @let driven = all.iter().find_map(|one| one.sections(*section).next());
+                    @let driven = all.iter().find_map(|one| one.sections(*section).next());
+                    tr class="part" { td colspan=(1 + 2 * all.len()) { (section) @if let Some(driven) = driven { span class="soft" { ", from " (input_point_name(driven.input_point)) } } } }
+                    @for signal in signals(all, *section) {
                         @let means: Vec<_> = all.iter().map(|one| mean_of(*one, *section, signal)).collect();
                         @let best = means.iter().flatten().map(|(fit, _)| *fit).fold(f64::NEG_INFINITY, f64::max);
                         tr {
-                            td { @if index == 0 { (section) @if let Some(driven) = driven { span class="soft" { " from " (input_point_name(driven.input_point)) } } } }
-                            td class="left" { (signal) }
+                            td { (signal) }
                             @for mean in &means {
                                 @match mean {
                                     Some((fit, rmse)) => {
@@ -315,10 +315,11 @@ fn white(all: &[Compared<'_>], here: &[Section]) -> Markup {
             h2 { "Are the residuals white?" }
             p { "The residual of a good model is correlated neither with its own past nor with the command. Share of lags outside the 99 % band; a white residual has about 1 %. Where the shares are high, fit the model first: " code { "host-sim fit" } "." }
             table class="wide" {
-                tr { th { "part" } th class="left" { "signal" } @for one in all { th { @if all.len() > 1 { (one.label) ", " } "with itself" } th { "with the command" } } }
+                tr { th { "part, signal" } @for one in all { th { @if all.len() > 1 { (one.label) ", " } "with itself" } th { "with the command" } } }
                 @for (section, of) in &found {
-                    @for (index, signal) in signals(all, *section).into_iter().enumerate() {
-                        tr { td { @if index == 0 { (section) } } td class="left" { (signal) }
+                    tr class="part" { td colspan=(1 + 2 * all.len()) { (section) } }
+                    @for signal in signals(all, *section) {
+                        tr { td { (signal) }
                             @for one in of { @match one.iter().find(|known| known.signal == signal) {
                                 Some(known) => (shares(known)),
                                 None => { td { "–" } td { "–" } }

@@ -22,7 +22,7 @@ p { margin: .4rem 0; } .over { color: var(--faint); margin: 0 0 .2rem; } .soft {
 .number { font-size: 1.15rem; font-variant-numeric: tabular-nums; } .number strong { color: var(--accent); }
 table { border-collapse: collapse; margin: .6rem 0; display: block; overflow-x: auto; }
 th, td { padding: .2rem 1.2rem .2rem 0; border-bottom: 1px solid var(--line); text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-th { font-weight: 600; font-size: .875rem; } th:first-child, td:first-child, td.text, th.text { text-align: left; } td.left, th.left { text-align: left; } td.text { white-space: normal; min-width: 12rem; }
+th { font-weight: 600; font-size: .875rem; } th:first-child, td:first-child, td.text, th.text { text-align: left; } tr.part td { padding-top: .6rem; font-weight: 600; } tr.part .soft { font-weight: 400; } td.text { white-space: normal; min-width: 12rem; }
 figure { margin: .8rem 0; overflow-x: auto; } figure svg { width: 100%; height: auto; display: block; }
 .overlay svg { min-width: 600px; } .chart svg { max-width: 640px; } .bars svg { max-width: 800px; min-width: 520px; }
 .live:not(.drawn) > svg { display: none; } .recording { margin: .8rem 0 0; } figure .panel { font-weight: 600; font-size: .875rem; margin: .5rem 0 .1rem; }
