@@ -34,7 +34,7 @@ fn the_page_holds_its_sections_and_escapes_every_name() {
         "Preprocessing",
         "To the controller",
     ] {
-        assert!(page.contains(&format!("<h2>{section}</h2>")), "{section}");
+        assert!(page.contains(&format!(">{section}</h2>")) && page.contains(&format!(">{section}</a>")), "{section}");
     }
     assert!(page.contains("&lt;script&gt;alert(1)&lt;/script&gt;") && page.contains("a&amp;b &lt;i&gt;.csv"));
     assert!(!page.contains("<script>alert") && !page.contains("<i>"), "a name became markup");
