@@ -8,7 +8,15 @@ const engine = {
   files: new Map(),
   questions: [],
 
-  async start() {
+  /** Begins a worker; calls wait until it has what the last one had. */
+  start() {
+    this.ready = this.begin();
+    // Whoever calls is told.
+    this.ready.catch(() => {});
+    return this.ready;
+  },
+
+  async begin() {
     this.wasm ??= await unpacked(byId('wasm').textContent);
     this.source ??= URL.createObjectURL(new Blob([byId('worker').textContent], { type: 'text/javascript' }));
     this.worker = new Worker(this.source);
@@ -17,7 +25,7 @@ const engine = {
     this.worker.onmessage = ({ data }) => this.answered(data);
     this.worker.onerror = (event) => this.end(new Error(event.message || 'the worker cannot be started'));
     this.questions = JSON.parse(await this.post({ wasm: this.wasm }));
-    for (const [name, bytes] of this.files) await this.call('put', [name, bytes]);
+    for (const [name, bytes] of this.files) await this.post({ method: 'put', given: [name, bytes] });
   },
 
   post(message, progress) {
@@ -29,13 +37,17 @@ const engine = {
   },
 
   /** The result of a method of the crates. */
-  call(method, given, progress) {
+  async call(method, given, progress) {
+    const { ready } = this;
+    await ready;
+    // Ended before it began.
+    if (ready !== this.ready) throw new Stopped('stopped');
     return this.post({ method, given }, progress);
   },
 
   async put(name, bytes) {
-    this.files.set(name, bytes);
     await this.call('put', [name, bytes]);
+    this.files.set(name, bytes);
   },
 
   async remove(name) {

@@ -65,6 +65,8 @@ async function surveyed(name) {
   try {
     return JSON.parse(await engine.call('columns', [asked])).files[0];
   } catch (error) {
+    // It waited for a command that was stopped.
+    if (error instanceof Stopped) return surveyed(name);
     return { file: name, columns: [], error: error.message };
   }
 }
