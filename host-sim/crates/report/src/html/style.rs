@@ -27,7 +27,7 @@ figure { margin: .8rem 0; overflow-x: auto; } figure svg { width: 100%; height: 
 .overlay svg { min-width: 600px; } .chart svg { max-width: 640px; } .bars svg { max-width: 800px; min-width: 520px; }
 .live:not(.drawn) > svg { display: none; } .recording { margin: .8rem 0 0; } figure .panel { font-weight: 600; font-size: .875rem; margin: .5rem 0 .1rem; }
 figure .remark { font-size: .8rem; margin: .1rem 0 .2rem; padding-left: .5rem; border-left: 4px solid #e0a800; } figure .quantity { color: var(--faint); font-size: .8rem; margin: 0; } .uplot { max-width: 100%; } .uplot .u-legend { font-size: .8rem; text-align: left; margin: 0; color: var(--ink); }
-.u-legend.u-inline.u-live th::after { content: none; } .u-legend tr { margin-right: .9rem; } .u-legend th, .u-legend td { border: 0; padding: .1rem .2rem; } .u-legend td { min-width: 4.5rem; text-align: left; }
+.u-legend.u-inline.u-live th::after { content: none; } .u-legend tr { margin-right: .9rem; } .uplot:not(:hover) .u-legend tr:first-child { visibility: hidden; } .u-legend th, .u-legend td { border: 0; padding: .1rem .2rem; } .u-legend td { min-width: 4.5rem; text-align: left; }
 .u-legend .branch { display: none; } .u-legend, .u-legend tbody { display: block; overflow: visible; } .u-select { background: color-mix(in srgb, var(--accent) 18%, transparent); }
 .switches { font-size: .8rem; margin: .2rem 0; min-height: 1.6rem; } .switches button { font: inherit; color: inherit; background: none; border: 0; cursor: pointer; padding: .1rem .8rem .1rem .2rem; font-weight: 600; }
 .switches button::before { content: ''; display: inline-block; width: 1em; height: 1em; margin-right: .3em; vertical-align: -.1em; background: var(--mark); } .switches button[aria-pressed=false] { opacity: .35; }
