@@ -22,7 +22,7 @@ fn press() -> PathBuf {
 }
 
 #[test]
-fn a_simulation_is_the_same_from_every_format() {
+pub(crate) fn a_simulation_is_the_same_from_every_format() {
     let folder = tempfile::tempdir().unwrap();
     let machine = press().display().to_string();
     let simulated = |name: &str| {
@@ -41,7 +41,7 @@ fn a_simulation_is_the_same_from_every_format() {
 }
 
 #[test]
-fn a_simulation_is_written_in_the_format_of_its_name() {
+pub(crate) fn a_simulation_is_written_in_the_format_of_its_name() {
     let folder = tempfile::tempdir().unwrap();
     let machine = press().display().to_string();
     for (name, magic) in
@@ -60,7 +60,7 @@ fn a_simulation_is_written_in_the_format_of_its_name() {
 }
 
 #[test]
-fn recordings_are_compared_in_every_format() {
+pub(crate) fn recordings_are_compared_in_every_format() {
     let machine = press().display().to_string();
     let compared = |name: &str| {
         let recording = fixture(name).display().to_string();
@@ -78,7 +78,7 @@ fn recordings_are_compared_in_every_format() {
 }
 
 #[test]
-fn a_folder_may_hold_recordings_of_every_format_but_each_once() {
+pub(crate) fn a_folder_may_hold_recordings_of_every_format_but_each_once() {
     let folder = tempfile::tempdir().unwrap();
     let put = |from: PathBuf, name: &str| fs::copy(from, folder.path().join(name)).map(drop).unwrap();
     put(press(), "machine.toml");

@@ -41,7 +41,7 @@ fn reads(name: &str, bytes: &[u8]) -> Option<Recording> {
 }
 
 #[test]
-fn a_file_that_is_cut_is_refused_or_lacks_what_is_not_there() {
+pub(crate) fn a_file_that_is_cut_is_refused_or_lacks_what_is_not_there() {
     for name in FILES {
         let bytes = fs::read(fixture(name)).unwrap();
         let whole = reads(name, &bytes).unwrap();
@@ -55,7 +55,7 @@ fn a_file_that_is_cut_is_refused_or_lacks_what_is_not_there() {
 }
 
 #[test]
-fn flipped_bits_make_an_error_or_a_recording() {
+pub(crate) fn flipped_bits_make_an_error_or_a_recording() {
     // Our own random number generator, so that a failure can be repeated.
     let mut state = 1_u64;
     let mut next = |below: usize| {
@@ -81,7 +81,7 @@ fn flipped_bits_make_an_error_or_a_recording() {
 }
 
 #[test]
-fn no_size_is_believed() {
+pub(crate) fn no_size_is_believed() {
     // Words of sizes, overwritten with large ones at every position.
     for name in FILES {
         let whole = fs::read(fixture(name)).unwrap();
@@ -96,7 +96,7 @@ fn no_size_is_believed() {
 }
 
 #[test]
-fn what_unpacks_to_too_much_is_refused_before_it_is_unpacked() {
+pub(crate) fn what_unpacks_to_too_much_is_refused_before_it_is_unpacked() {
     let whole = fs::read(fixture("vectors_packed.mat")).unwrap();
     // A variable of 1.5 GiB, of which the packed bytes hold only the beginning.
     let mut packed = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
@@ -111,7 +111,7 @@ fn what_unpacks_to_too_much_is_refused_before_it_is_unpacked() {
 }
 
 #[test]
-fn files_of_other_versions_say_how_to_save_them() {
+pub(crate) fn files_of_other_versions_say_how_to_save_them() {
     let refused = |name: &str, bytes: &[u8]| {
         let error = recording::read_from(name, bytes, &ChannelMap::default()).unwrap_err();
         assert!(matches!(error, RecordingError::Unsupported { .. } | RecordingError::NotOfFormat { .. }), "{error}");

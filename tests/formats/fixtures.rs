@@ -17,7 +17,7 @@ fn assert_same(name: &str, found: &Recording, expected: &Recording) {
 }
 
 #[test]
-fn every_format_gives_the_recording_of_the_csv() {
+pub(crate) fn every_format_gives_the_recording_of_the_csv() {
     let expected = read("run.csv");
     assert_eq!((expected.rows(), expected.columns().len()), (200, 6));
     for name in [
@@ -46,14 +46,14 @@ fn every_format_gives_the_recording_of_the_csv() {
 }
 
 #[test]
-fn what_is_no_signal_is_ignored_by_its_name() {
+pub(crate) fn what_is_no_signal_is_ignored_by_its_name() {
     assert_eq!(read("vectors.mat").ignored(), ["calibration", "steps"]);
     assert_eq!(read("packed_2.mf4").ignored(), ["state"]);
     assert_eq!(read("pyarrow.parquet").ignored(), ["state"]);
 }
 
 #[test]
-fn units_are_those_of_the_file() {
+pub(crate) fn units_are_those_of_the_file() {
     for name in ["vectors.mat", "packed_0.mf4", "pandas.parquet"] {
         let header = |signal| read(name).column(signal).unwrap().header.clone();
         assert_eq!(header(Signal::Time), "time [s]", "{name}");
@@ -64,7 +64,7 @@ fn units_are_those_of_the_file() {
 }
 
 #[test]
-fn channels_of_another_group_are_interpolated() {
+pub(crate) fn channels_of_another_group_are_interpolated() {
     let (found, expected) = (read("two_groups.mf4"), read("run.csv"));
     assert_eq!(found.notes(), [Note::Resampled { signals: vec![Signal::OilTemperature], rows_left_out: 0 }]);
     assert_eq!(found.signal(Signal::Position), expected.signal(Signal::Position));
@@ -75,7 +75,7 @@ fn channels_of_another_group_are_interpolated() {
 }
 
 #[test]
-fn timestamps_count_from_the_first() {
+pub(crate) fn timestamps_count_from_the_first() {
     let (found, expected) = (read("stamped.parquet"), read("run.csv"));
     let worst = found.time_s().iter().zip(expected.time_s()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(found.rows() == 200 && worst <= 1e-6, "{worst}");
@@ -83,7 +83,7 @@ fn timestamps_count_from_the_first() {
 }
 
 #[test]
-fn durations_and_old_timestamps_are_in_seconds_whatever_their_names_say() {
+pub(crate) fn durations_and_old_timestamps_are_in_seconds_whatever_their_names_say() {
     let expected = read("run.csv");
     for name in ["spans.parquet", "polars_spans.parquet", "spark.parquet"] {
         let found = read(name);
@@ -97,7 +97,7 @@ fn durations_and_old_timestamps_are_in_seconds_whatever_their_names_say() {
 }
 
 #[test]
-fn the_members_of_a_structure_and_the_elements_of_an_array_are_channels() {
+pub(crate) fn the_members_of_a_structure_and_the_elements_of_an_array_are_channels() {
     let expected = read("run.csv");
     let all = ["Bench", "Bench.position", "Bench.command", "pressures", "pressures[0]", "pressures[1]"];
     assert_eq!(read("composed.mf4").ignored(), all);
@@ -121,7 +121,7 @@ fn the_members_of_a_structure_and_the_elements_of_an_array_are_channels() {
 }
 
 #[test]
-fn a_text_among_the_numbers_of_a_channel_is_an_empty_cell() {
+pub(crate) fn a_text_among_the_numbers_of_a_channel_is_an_empty_cell() {
     let (found, expected) = (read("states.mf4"), read("run.csv"));
     assert_eq!(found.notes()[0].to_string(), "1 row has an empty cell and is left out, in row 8");
     let mut positions = expected.signal(Signal::Position).unwrap().to_vec();
@@ -130,14 +130,14 @@ fn a_text_among_the_numbers_of_a_channel_is_an_empty_cell() {
 }
 
 #[test]
-fn a_null_is_an_empty_cell() {
+pub(crate) fn a_null_is_an_empty_cell() {
     let found = read("holes.parquet");
     assert_eq!(found.rows(), 199);
     assert_eq!(found.notes()[0].to_string(), "1 row has an empty cell and is left out, in row 8");
 }
 
 #[test]
-fn every_format_is_mapped() {
+pub(crate) fn every_format_is_mapped() {
     for (name, map) in [
         ("run.csv", "force=spool"),
         ("vectors.mat", "position=pressure_a_bar [mm]"),
@@ -163,7 +163,7 @@ fn every_format_is_mapped() {
 }
 
 #[test]
-fn what_is_not_read_says_what_to_do() {
+pub(crate) fn what_is_not_read_says_what_to_do() {
     let packing = read_mapped("brotli.parquet", &[]).unwrap_err();
     assert!(matches!(packing, RecordingError::Unsupported { what: Unsupported::Packing(_), .. }));
     assert!(

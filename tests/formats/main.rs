@@ -1,6 +1,7 @@
 //! Recordings in the formats that engineers have: each file of `fixtures/formats`, written by the tools that people use, against the
 //! CSV of the same rows; written files, read again; and files that are cut or damaged.
 
+mod chapter;
 mod commands;
 mod damaged;
 mod fixtures;

@@ -34,13 +34,13 @@ fn expected(names: [&str; 3]) -> Columns {
 }
 
 #[test]
-fn scipy_reads_a_mat_file_that_is_written() {
+pub(crate) fn scipy_reads_a_mat_file_that_is_written() {
     let Some(found) = read_by_others("mat", "scipy.io", RECORDING) else { return };
     assert_eq!(found, expected(["time_s", "spool", "position_mm"]));
 }
 
 #[test]
-fn pyarrow_reads_a_parquet_file_that_is_written() {
+pub(crate) fn pyarrow_reads_a_parquet_file_that_is_written() {
     let Some(found) = read_by_others("parquet", "pyarrow.parquet", RECORDING) else { return };
     assert_eq!(found, expected(["time [s]", "spool", "position [mm]"]));
 }

@@ -7,7 +7,7 @@ use recording::{ChannelMap, RecordingError, Signal};
 use crate::{fixture, read};
 
 #[test]
-fn what_is_written_reads_back_in_every_format() {
+pub(crate) fn what_is_written_reads_back_in_every_format() {
     let folder = tempfile::tempdir().unwrap();
     let recording = read("run.csv");
     let simulated: Vec<f64> =
@@ -40,7 +40,7 @@ fn what_is_written_reads_back_in_every_format() {
 }
 
 #[test]
-fn what_was_left_out_is_written_as_no_value() {
+pub(crate) fn what_was_left_out_is_written_as_no_value() {
     let folder = tempfile::tempdir().unwrap();
     let text = "time [s],spool,position [mm]\n0,0,1\n0.5,,2\n1,1,3\n1,1,4\n1.5,0,5\n";
     let recording = recording::read_from("gaps.csv", text.as_bytes(), &ChannelMap::default()).unwrap();
@@ -59,7 +59,7 @@ fn what_was_left_out_is_written_as_no_value() {
 }
 
 #[test]
-fn a_file_that_cannot_be_written_leaves_the_old_one() {
+pub(crate) fn a_file_that_cannot_be_written_leaves_the_old_one() {
     let folder = tempfile::tempdir().unwrap();
     let recording = read("run.csv");
     let path = folder.path().join("out.parquet");
