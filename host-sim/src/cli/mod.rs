@@ -47,17 +47,21 @@ pub use interrupt::{INTERRUPTED, stop_cleanly};
 
 /// Simulates and compares valve-controlled hydraulic drives against recordings.
 #[derive(Debug, clap::Parser)]
-#[command(name = "host-sim", version, max_term_width = 110, arg_required_else_help = true)]
+#[command(name = "host-sim", version, max_term_width = 110, arg_required_else_help = true, disable_help_flag = true)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
     /// Print the result alone: no notes, no progress
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, display_order = 900)]
     quiet: bool,
     /// Also say what each stage found and how long it took
-    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    #[arg(long, short, global = true, conflicts_with = "quiet", display_order = 901)]
     verbose: bool,
+    // One screen: what is longer stands in the manual page.
+    /// Print this help; `host-sim man` has more
+    #[arg(long, short, global = true, action = clap::ArgAction::HelpShort, display_order = 902)]
+    help: Option<bool>,
 }
 
 impl Cli {

@@ -75,7 +75,7 @@ fn the_help_marks_what_is_required() {
     for item in Item::ALL {
         let question = item.question();
         let (_, after) = help.split_once(&format!("--{} <", question.flag)).unwrap();
-        let text: Vec<&str> = after.split("\n\n").next().unwrap().split_whitespace().collect();
+        let text: Vec<&str> = after.split("\n      --").next().unwrap().split_whitespace().collect();
         let marked = text.join(" ");
         let needed = (item.is_needed(false), item.is_needed(true));
         assert_eq!(marked.ends_with("[required]"), needed == (true, true), "{marked}");

@@ -301,3 +301,15 @@ fn every_refusal_says_where_and_what_was_expected() {
         assert!(message.contains(place) && message.contains("expected"), "{command}: {message}");
     }
 }
+
+#[test]
+fn the_help_of_a_command_fits_a_screen_and_what_is_longer_stands_in_its_manual_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = done(folder.path(), &["--help"]);
+    let commands = help.lines().filter_map(|line| line.strip_prefix("  ")).filter(|line| !line.starts_with([' ', '-']));
+    for command in commands.filter_map(|line| line.split(' ').next()).filter(|name| *name != "help") {
+        let lines = done(folder.path(), &[command, "--help"]).lines().count();
+        // The data sheet has as many questions as it has.
+        assert!(lines <= if command == "init" { 80 } else { 40 }, "{command}: {lines} lines");
+    }
+}
