@@ -38,7 +38,7 @@ fn page() -> Result<PathBuf, String> {
                     with the path of a page from a release"
             .to_owned());
     }
-    for source in ["studio", "host-sim/crates", "model-core/src", "Cargo.lock"] {
+    for source in ["studio", "host-sim/crates", "model-core/src", "Cargo.toml", "Cargo.lock", ".cargo/config.toml"] {
         println!("cargo::rerun-if-changed={}", workspace.join(source).display());
     }
     let folder = PathBuf::from(env::var_os("OUT_DIR").ok_or("there is no OUT_DIR; expected cargo to run this")?);
@@ -54,6 +54,8 @@ fn page() -> Result<PathBuf, String> {
         // Those of this build are for another program.
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env_remove("RUSTFLAGS")
+        .env_remove("RUSTC_WORKSPACE_WRAPPER")
+        .env_remove("CARGO_BUILD_TARGET")
         .output()
         .map_err(|cause| format!("{cargo} cannot be started: {cause}; expected cargo"))?;
     if output.status.success() { Ok(page) } else { Err(String::from_utf8_lossy(&output.stderr).into_owned()) }

@@ -157,6 +157,8 @@ def diagnose(
         threads: how many threads compute; the result does not depend on it.
     """
     if not isinstance(machine, Machine) and Path(machine).is_dir():
+        if train or holdout:
+            raise TypeError("train, holdout: beside a folder, which has its own; expected a machine file, or the folder alone")
         folder = Path(machine)
         train, holdout = _native.listed(folder, "train-"), _native.listed(folder, "holdout-")
         machine = folder / "machine.toml"

@@ -114,7 +114,8 @@ def read(
         units: the units of columns whose headers give none, ``{"position": "mm"}``; in memory only. Headers may give it
             themselves, as ``"position [mm]"`` or ``"position_mm"``.
         map: which column holds a signal, where its header does not say: ``{"position": "Kolbenweg [mm]"}``.
-        machine: its ``[channels]`` and ``[linkage]`` apply, as they do where a file is given to ``compare`` or ``diagnose``.
+        machine: its ``[channels]`` and ``[linkage]`` apply, as they do where a file is given to ``compare`` or ``diagnose``. A
+            ``Recording`` is taken as it was read: give the machine where it is read.
 
     Raises:
         Error: what is wrong, with ``file``, ``row`` and ``key`` (the column).
@@ -158,4 +159,5 @@ def read_all(
 ) -> list[_native.Recording]:
     """One recording or several, as the native half takes them."""
     listed = sources if isinstance(sources, Sequence) and not isinstance(sources, str) else [sources]
-    return [read(source, map=map, machine=machine)._inner for source in listed]
+    names = [f"recording-{number}" for number in range(1, len(listed) + 1)] if len(listed) > 1 else [None]
+    return [read(source, name=name, map=map, machine=machine)._inner for source, name in zip(listed, names)]

@@ -15,8 +15,23 @@ function showReady() {
   byId('stop').disabled = !running;
 }
 
+/** The limit of a diagnosis in s; null without one. */
+function limitOf(text) {
+  const given = text.trim().replace(',', '.');
+  if (!given) return null;
+  if (!(Number(given) > 0)) throw new Error(`time limit: "${text}"; expected a number of seconds above 0`);
+  return Number(given);
+}
+
 async function run(command) {
   refuse();
+  let asked;
+  try {
+    asked = request({ as_recorded: byId('as-recorded').checked, limit_s: limitOf(byId('limit').value) });
+  } catch (error) {
+    return refuse(error.message);
+  }
+  const of = drive.name;
   running = true;
   showReady();
   const began = performance.now();
@@ -31,12 +46,10 @@ async function run(command) {
     bar.value = Math.min(1, done / of);
     share = `, ${Math.round(100 * bar.value)} %`;
   };
-  const limit = Number(byId('limit').value.replace(',', '.')) || null;
   try {
-    const asked = request({ as_recorded: byId('as-recorded').checked, limit_s: limit });
     const found = JSON.parse(await engine.call(command, [asked], progress));
     state.textContent = `${command}: done in ${seconds()} s`;
-    keep(command, found);
+    keep(command, { ...found, of });
   } catch (error) {
     const wasStopped = error instanceof Stopped;
     state.textContent = wasStopped ? `${command}: stopped after ${seconds()} s` : `${command}: not done`;

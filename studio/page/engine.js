@@ -23,7 +23,11 @@ const engine = {
     this.open = new Map();
     this.last = 0;
     this.worker.onmessage = ({ data }) => this.answered(data);
-    this.worker.onerror = (event) => this.end(new Error(event.message || 'the worker cannot be started'));
+    this.worker.onerror = (event) => {
+      const reason = new Error(event.message || 'the worker cannot be started');
+      // One that never answered would fail again.
+      if (this.questions.length) this.restart(reason); else this.end(reason);
+    };
     this.questions = JSON.parse(await this.post({ wasm: this.wasm }));
     for (const [name, bytes] of this.files) await this.post({ method: 'put', given: [name, bytes] });
   },
@@ -45,14 +49,15 @@ const engine = {
     return this.post({ method, given }, progress);
   },
 
+  /** A worker that is stopped meanwhile does not matter: the next one is given what `files` holds. */
   async put(name, bytes) {
-    await this.call('put', [name, bytes]);
     this.files.set(name, bytes);
+    await unlessStopped(this.call('put', [name, bytes]));
   },
 
   async remove(name) {
     this.files.delete(name);
-    await this.call('remove', [name]);
+    await unlessStopped(this.call('remove', [name]));
   },
 
   answered({ id, progress, result, error, isFault }) {
@@ -62,7 +67,7 @@ const engine = {
     this.open.delete(id);
     if (error === undefined) return call.done(result);
     call.failed(new Error(isFault ? `The program failed: ${error}. Please report this with the file.` : error));
-    if (isFault) this.restart(new Error(error));
+    if (isFault) this.restart(new Stopped('ended with a command that failed'));
   },
 
   /** Ends whatever runs. */
@@ -82,6 +87,15 @@ const engine = {
     return this.start();
   },
 };
+
+/** Waits for a call whose worker may be stopped. */
+async function unlessStopped(call) {
+  try {
+    await call;
+  } catch (error) {
+    if (!(error instanceof Stopped)) throw error;
+  }
+}
 
 /** Bytes from packed text. */
 async function unpacked(text) {

@@ -32,10 +32,20 @@ function request(more = {}) {
 async function take(files) {
   refuse();
   const problems = [];
+  const taken = new Map();
   for (const file of files) {
+    const path = file.webkitRelativePath || file.name;
+    const isMachine = /\.toml$/i.test(file.name);
+    const slot = isMachine ? '.toml' : file.name;
+    if (taken.has(slot)) {
+      problems.push(`${path}: left out beside ${taken.get(slot)}; expected ${isMachine ? 'one machine file' : 'recordings of different names'}`);
+      continue;
+    }
+    taken.set(slot, path);
     try {
-      if (/\.toml$/i.test(file.name)) {
-        Object.assign(drive, { name: file.name, text: await file.text() });
+      if (isMachine) {
+        // As the text field below holds it.
+        Object.assign(drive, { name: file.name, text: (await file.text()).replace(/\r\n?/g, '\n') });
       } else {
         const bytes = new Uint8Array(await file.arrayBuffer());
         await engine.put(file.name, bytes);
@@ -92,7 +102,7 @@ function showFiles() {
   const rows = [...recordings].map(([name, one]) => {
     const options = Object.entries(ROLES).map(([value, text]) => element('option', { value, textContent: text, selected: value === one.role }));
     const role = element('select', { ariaLabel: `role of ${name}`, onchange: () => { one.role = role.value; changed(); } }, ...options);
-    const forget = async () => { recordings.delete(name); await engine.remove(name); changed(); };
+    const forget = () => { recordings.delete(name); changed(); return engine.remove(name); };
     const fault = one.fault && element('div', { className: 'problem', textContent: one.fault });
     return element('tr', {},
       element('td', {}, name, fault),

@@ -4,7 +4,9 @@ function showDrive() {
   const text = drive.text.trim();
   const name = /^name\s*=\s*"(.*)"/m.exec(drive.text)?.[1];
   byId('drive').textContent = text ? `${drive.name}${name ? `: ${name}` : ''}` : 'No machine file yet: drop one, or fill in the data sheet.';
-  if (byId('machine').value !== drive.text) byId('machine').value = drive.text;
+  const field = byId('machine');
+  // What somebody is typing stays.
+  if (field.value !== drive.text && document.activeElement !== field) field.value = drive.text;
   byId('save-machine').disabled = !text;
 }
 
@@ -57,12 +59,17 @@ async function writeMaps() {
   await check();
 }
 
+/** How often the table of columns was asked for: an older answer shows nothing. */
+let asks = 0;
+
 /** A table of all columns, each with the signal that it is read as, and a choice. */
 async function showColumns() {
   const place = byId('columns');
   if (!byId('mapping').open) return;
+  const ask = ++asks;
   const { signals } = JSON.parse(await engine.call('columns', [JSON.stringify({ machine: null, train: [] })]));
   const files = await Promise.all([...recordings.keys()].map(surveyed));
+  if (ask !== asks) return;
   const seen = new Map();
   files.forEach(({ columns }) => columns.forEach((column) => seen.has(column.header) || seen.set(column.header, column)));
   const rows = [...seen.values()].map((column) => {
@@ -75,7 +82,13 @@ async function showColumns() {
   });
   const write = async () => {
     refuse();
-    place.querySelectorAll('select').forEach(({ value, dataset }) => { if (value && value !== dataset.before) maps.set(value, dataset.header); });
+    const chosen = [...place.querySelectorAll('select')].filter(({ value }) => value);
+    const twice = chosen.find(({ value }, index) => chosen.findIndex((other) => other.value === value) < index);
+    if (twice) {
+      const both = chosen.filter(({ value }) => value === twice.value).map(({ dataset }) => dataset.header);
+      return refuse(`${twice.value}: chosen for ${both.join(' and ')}; expected one column for each signal`);
+    }
+    chosen.filter(({ value, dataset }) => value !== dataset.before).forEach(({ value, dataset }) => maps.set(value, dataset.header));
     try {
       await writeMaps();
     } catch (error) {

@@ -25,7 +25,7 @@ function view(command, found) {
   const file = (text, name, type, what) => text && element('button', {
     type: 'button', textContent: `Save ${what}`, onclick: () => save(name, type, text),
   });
-  const use = () => { drive.text = found.machine; check(); };
+  const use = () => { Object.assign(drive, { name: found.of, text: found.machine }); check(); };
   const buttons = [
     file(found.page, `${command}.html`, 'text/html', 'the page'),
     file(found.json, `${command}.json`, 'application/json', 'JSON'),

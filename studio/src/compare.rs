@@ -6,11 +6,11 @@ use identification::compare::{Comparison, compare_with_progress, rows_simulated}
 use identification::parallel;
 use recording::Recording;
 use report::html::{self, Compared};
-use report::json;
+use report::{json, wording};
 use simulation::Arithmetic;
 
 use crate::commands::Results;
-use crate::desk::{Desk, Drive, Request, notes};
+use crate::desk::{Desk, Drive, Request, checked_doubts, notes};
 use crate::progress::Progress;
 use crate::refused::Refused;
 
@@ -19,10 +19,18 @@ pub(crate) fn compare(desk: &Desk, request: &Request, progress: &Progress<'_>) -
     let names = [request.train.as_slice(), &request.holdout].concat();
     let recordings = desk.recordings(&names, &request.channels(Some(&drive))?)?;
     let found = compared(&drive, &recordings, progress)?;
+    let all: Vec<&Recording> = recordings.iter().collect();
+    let mut notes = notes(&all, &drive.file.machine);
+    // They are compared as they are all the same.
+    let doubts = checked_doubts(&drive, &all, true)?;
+    let certain = doubts.iter().filter(|doubt| doubt.is_certain).map(wording::doubt);
+    notes.extend(
+        certain.map(|doubt| format!("{doubt}; mend this first: what follows is of the recordings as they are")),
+    );
     let compared =
         Compared { label: &drive.file.name, file: &drive.file, recordings: &recordings, comparisons: &found };
     Ok(Results {
-        notes: notes(&recordings.iter().collect::<Vec<_>>(), &drive.file.machine),
+        notes,
         json: format!("{:#}\n", json::comparison(&drive.file, &found)),
         page: Some(html::compare(&[compared], &request.about())),
         ..Results::default()

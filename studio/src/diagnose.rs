@@ -24,6 +24,9 @@ pub(crate) fn diagnose(desk: &Desk, request: &Request, progress: &Progress<'_>) 
     let all: Vec<&Recording> = training.iter().chain(&held_out).collect();
     let doubts = checked_doubts(&drive, &all, request.as_recorded)?;
     let limit_s = request.limit_s.unwrap_or(Options::USUAL_LIMIT_S);
+    if !(limit_s.is_finite() && limit_s > 0.0) {
+        return Err(Refused::of(format_args!("a time limit of {limit_s} s; expected more than 0")));
+    }
     let options = Options { tick: None, asks_since: false, limit_s: Some(limit_s) };
     let (file, of) = (&drive.file, steps(&drive.file));
     let found = diagnose_with(file, (&training, &held_out), options, &|_| progress.add(1, of)).map_err(failed)?;
@@ -44,7 +47,7 @@ pub(crate) fn diagnose(desk: &Desk, request: &Request, progress: &Progress<'_>) 
 }
 
 /// A recording cannot confirm effects that it was used to choose, and counts only once, even as a copy.
-pub(crate) fn check_distinct(training: &[Recording], held_out: &[Recording]) -> Result<(), Refused> {
+fn check_distinct(training: &[Recording], held_out: &[Recording]) -> Result<(), Refused> {
     let all: Vec<&Recording> = training.iter().chain(held_out).collect();
     let Some((first, second)) = Recording::held_twice(&all) else { return Ok(()) };
     let (first, second) = (all[first].name(), all[second].name());

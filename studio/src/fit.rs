@@ -6,7 +6,6 @@ use report::{html, json, terminal, wording};
 
 use crate::commands::Results;
 use crate::desk::{Desk, Request, checked_doubts, notes};
-use crate::diagnose::check_distinct;
 use crate::progress::Progress;
 use crate::refused::Refused;
 
@@ -16,7 +15,7 @@ pub(crate) fn fit(desk: &Desk, request: &Request, progress: &Progress<'_>) -> Re
     let mut recordings = desk.recordings(&request.train, &channels)?;
     let trained = recordings.len();
     recordings.extend(desk.any_recordings(&request.holdout, &channels)?);
-    check_distinct(&recordings[..trained], &recordings[trained..])?;
+    check_held_out(&recordings[..trained], &recordings[trained..])?;
     let name = drive.name.clone();
     let failed = |cause| Refused::diagnose(&name, cause);
     if read_absolute(&drive.file, &recordings[..trained], None).map_err(failed)? {
@@ -42,4 +41,17 @@ pub(crate) fn fit(desk: &Desk, request: &Request, progress: &Progress<'_>) -> Re
         machine: Some(refit.file.to_text(&drive.name)?),
         page: Some(html::fit(&refit, &all, &request.about())),
     })
+}
+
+/// A recording that is fitted to may count twice; one that is held out may not be among them.
+fn check_held_out(training: &[Recording], held_out: &[Recording]) -> Result<(), Refused> {
+    for second in held_out {
+        if let Some(first) = training.iter().find(|first| first.holds_what(second)) {
+            let (first, second) = (first.name(), second.name());
+            return Err(Refused::of(format_args!(
+                "{first} and {second} hold the same recording; expected held-out recordings that are not trained on"
+            )));
+        }
+    }
+    Ok(())
 }

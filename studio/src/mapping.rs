@@ -42,7 +42,9 @@ pub(crate) fn written(request: &Request) -> Result<String, Refused> {
     let mut drive = request.drive()?;
     let maps = ChannelMap::from_arguments(request.maps.iter().map(String::as_str))?;
     for (signal, mapping) in maps.iter() {
-        let scale = drive.file.channels.get(signal).and_then(|known| known.scale);
+        // The readings of another column have another scale.
+        let known = drive.file.channels.get(signal).filter(|known| known.header == mapping.header);
+        let scale = known.and_then(|known| known.scale);
         drive.file.channels.insert(signal, recording::Mapping { scale, required: false, ..mapping.clone() });
     }
     Ok(drive.file.to_text(&drive.name)?)

@@ -21,11 +21,11 @@ Look here first: these are cheap to check, and `inspect` or `diagnose` says them
 
 | seen in the recording | cause | what to do |
 |---|---|---|
-| a signal runs the other way, or is wrong by a factor of 10, 100, 1000 | wires or ports exchanged, another unit | `diagnose` tries it before any physics and says which; mend the `unit` or sign, in the header or by `--map` |
-| a signal stands at one highest or lowest value | the sensor's or the logger's range ends there | a larger range; the rows there are left out and told |
+| a signal runs the other way, or is wrong by a factor of 10, 100, 1000 | wires or ports exchanged, another unit | `diagnose` tries it before any physics and says which; mend the unit in the header or by `--map`, a sign by `zero` and `full` in `[channels]` |
+| a signal stands at one highest or lowest value | the sensor's or the logger's range ends there | a larger range; the rows there are left out and reported |
 | both pressures are 1 bar too high | they are absolute, not gauge | `pressure = \"absolute\"` in `[channels]` |
 | everything comes late by the same time | clocks of two loggers | one clock, or record the command with the same logger |
-| an error that happens once | a push, a collision, somebody at the machine | record again; `diagnose` tells it as a disturbance with its time |
+| an error that happens once | a push, a collision, somebody at the machine | record again; `diagnose` reports it as a disturbance with its time |
 | an error with one frequency, whatever the drive does | a structure that rings, another machine, ripple of the pump | `diagnose` tells the frequency; look for who has it |
 ";
 

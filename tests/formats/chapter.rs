@@ -92,10 +92,10 @@ fn a_dimensionless_signal_needs_no_unit() {
 fn other_names_are_mapped() {
     let text = "time [s],Kolbenweg [mm],Kolbenweg_mm\n0,1,3\n1,2,4\n";
     for (map, first) in [("position=Kolbenweg [mm]", 1e-3), ("position=Kolbenweg_mm [mm]", 3e-3)] {
-        assert_eq!(reads_mapped(text, &[map]).signal(Signal::Position).unwrap()[0], first, "{map}");
+        assert_eq!(reads_mapped(text, &[map]).signal(Signal::Position).unwrap(), [first, first + 1e-3], "{map}");
     }
     let known = "time [s],position [mm],x [mm]\n0,1,3\n1,2,4\n";
-    assert_eq!(reads_mapped(known, &["position=x [mm]"]).signal(Signal::Position).unwrap()[0], 3e-3);
+    assert_eq!(reads_mapped(known, &["position=x [mm]"]).signal(Signal::Position).unwrap(), [3e-3, 4e-3]);
     let ignored = reads(known);
     assert_eq!(ignored.ignored(), ["x [mm]"]);
 }
@@ -109,7 +109,8 @@ fn a_line_of_channels_for_a_column_that_is_not_there_does_nothing() {
 }
 
 fn a_block_is_guessed_where_no_column_is_known() {
-    let rows: String = (0..200).map(|row| format!("{},{},{}\n", f64::from(row) * 0.01, row % 7, 100 + row)).collect();
+    let row = |row: i32| format!("{},{},{}", f64::from(row) * 0.01, row % 7, 100 + row);
+    let rows = (0..200).map(row).collect::<Vec<_>>().join("\n");
     let columns = survey_from("run.csv", format!("Zeit [s],Spannung [V],Weg [mm]\n{rows}").as_bytes()).unwrap();
     let block = guess::block(&columns);
     assert!(block.contains("[channels]") && block.contains("Weg"), "{block}");
@@ -233,8 +234,8 @@ fn a_scale_of_a_scope_header_is_doubted() {
 }
 
 fn rows_and_columns_have_a_limit() {
-    let header: String = (0..5000).map(|column| format!(",c{column}")).collect();
-    refused(format!("time [s],position [mm]{header}\n0,1{}\n", ",0".repeat(5000)));
+    let header = (0..5000).map(|column| format!("c{column}")).collect::<Vec<_>>().join(",");
+    refused(format!("time [s],position [mm],{header}\n0,1{}\n", ",0".repeat(5000)));
 }
 
 fn control_characters_of_a_file_are_spelt_out() {

@@ -35,6 +35,7 @@ pub(crate) fn built(target: &Path) -> Result<Module, BundleError> {
         // Those of an outer cargo are for another processor, as are its wrappers.
         .env_remove("RUSTFLAGS")
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
+        .env_remove("RUSTC_WORKSPACE_WRAPPER")
         .output()
         .map_err(|cause| BundleError::Cargo { program, cause })?;
     if !output.status.success() {

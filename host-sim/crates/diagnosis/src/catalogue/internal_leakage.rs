@@ -4,7 +4,7 @@
 //! Oil passes the piston from the chamber at higher pressure to the other, laminar: Q = G·(pa − pb), into B and out of A.
 //!
 //! ## How it shows
-//! Chamber B has too much of the oil that A lacks, at every spool position and also at rest: a loaded rod drifts with the valve closed.
+//! Chamber B has too much of the oil that A lacks, at every spool position and also at rest: with the valve closed the two pressures run together.
 //!
 //! ## What looks alike
 //! External leakage concerns one chamber. Valve leakage acts near the valve's centre only. Pump slip stops with the pump.

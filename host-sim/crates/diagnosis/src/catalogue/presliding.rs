@@ -5,7 +5,7 @@
 //! the deflection Fc/σ has to be taken back at each reversal.
 //!
 //! ## How it shows
-//! The rod yields by micrometres while it sticks, and springs back. Force over velocity is a loop at reversals, wider
+//! The rod yields by up to Fc/σ while it sticks, and springs back. Force over velocity is a loop at reversals, wider
 //! at higher frequency.
 //!
 //! ## What looks alike

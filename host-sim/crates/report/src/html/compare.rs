@@ -108,13 +108,21 @@ fn headline(all: &[Compared<'_>]) -> Markup {
     let fit = |of: &[(Signal, f64)], signal: Signal| {
         of.iter().find(|(known, _)| *known == signal).map_or(f64::NEG_INFINITY, |(_, fit)| *fit)
     };
+    // As they are shown: what looks alike is a tie, and nobody's.
     let best = |signal: Signal| {
-        (0..means.len()).max_by(|a, b| fit(&means[*a], signal).total_cmp(&fit(&means[*b], signal))).unwrap_or(0)
+        let shown: Vec<String> = means.iter().map(|of| percent(fit(of, signal))).collect();
+        let best = (0..means.len()).max_by(|a, b| fit(&means[*a], signal).total_cmp(&fit(&means[*b], signal)))?;
+        (shown.iter().filter(|other| **other == shown[best]).count() == 1).then_some(best)
     };
     let won: Vec<usize> =
-        (0..all.len()).map(|index| common.iter().filter(|signal| best(**signal) == index).count()).collect();
+        (0..all.len()).map(|index| common.iter().filter(|signal| best(**signal) == Some(index)).count()).collect();
     let first = (0..all.len()).max_by_key(|index| (won[*index], usize::MAX - index)).unwrap_or(0);
-    html! { h1 { (all[first].label) " fits best end to end in " (won[first]) " of " (common.len()) " signals." } }
+    html! {
+        h1 {
+            @if won[first] > 0 { (all[first].label) " fits best end to end in " (won[first]) " of " (common.len()) " signals." }
+            @else { "No machine file fits better end to end than the others." }
+        }
+    }
 }
 
 fn gains(all: &[Compared<'_>]) -> Markup {

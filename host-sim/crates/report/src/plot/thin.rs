@@ -31,7 +31,8 @@ pub(crate) fn thinned(time_s: &[f64], values: &[f64], most: Option<usize>) -> Ve
     kept
 }
 
-/// Rows of series over the same times, at most `most`: the lowest and the highest of every series in each of equal stretches.
+/// Rows of series over the same times, about `most`: the lowest and the highest of every series in each of equal stretches, and the first row there that no
+/// series has a value in, which breaks the lines.
 pub(crate) fn kept_rows(series: &[&[f64]], most: usize) -> Vec<usize> {
     let rows = series.iter().map(|values| values.len()).min().unwrap_or(0);
     if rows <= most {
@@ -41,6 +42,7 @@ pub(crate) fn kept_rows(series: &[&[f64]], most: usize) -> Vec<usize> {
     let mut kept = Vec::with_capacity(most);
     for stretch in 0..stretches {
         let (from, to) = (stretch * rows / stretches, (stretch + 1) * rows / stretches);
+        kept.extend((from..to).find(|row| series.iter().all(|values| !values[*row].is_finite())));
         for values in series {
             let finite = || (from..to).filter(|row| values[*row].is_finite());
             kept.extend(finite().min_by(|a, b| values[*a].total_cmp(&values[*b])));
@@ -67,6 +69,13 @@ mod tests {
         assert!(kept.windows(2).all(|pair| pair[0] < pair[1]));
         assert_eq!(kept_rows(&[&slow[..3]], 1000), [0, 1, 2]);
         assert!(kept_rows(&[], 1000).is_empty());
+    }
+
+    #[test]
+    fn a_gap_stays_a_gap() {
+        let mut values: Vec<f64> = (0..50_000).map(|row| (f64::from(row) * 1e-4).cos()).collect();
+        values[20_000] = f64::NAN;
+        assert!(kept_rows(&[&values], 1000).contains(&20_000));
     }
 
     #[test]

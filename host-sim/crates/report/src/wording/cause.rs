@@ -35,13 +35,13 @@ pub const CAUSES: [Cause; Effect::ALL.len()] = [
     Cause {
         effect: Effect::SpoolStiction,
         happens: "the spool sticks and then jumps",
-        seen: "at a slow command the rod stands, then moves in jerks; the position loop swings by a little at rest",
+        seen: "at a slow command the rod stands, then moves in jerks; the position loop oscillates a little at rest",
         check: "the oil's cleanliness and the valve's filter, varnish in the bore, dither, side forces from mounting bolts",
     },
     Cause {
         effect: Effect::NullDrift,
         happens: "the valve's neutral moves with time",
-        seen: "the rod creeps at neutral, and otherwise after an hour than in the morning",
+        seen: "the rod creeps at neutral, and differently after an hour than in the morning",
         check: "the valve's zero after warming up, the amplifier's supply, the temperature of pilot and electronics",
     },
     Cause {
@@ -71,7 +71,7 @@ pub const CAUSES: [Cause; Effect::ALL.len()] = [
     Cause {
         effect: Effect::MeteringAsymmetry,
         happens: "the four edges of the valve are not of one size",
-        seen: "one direction is faster, or both pressures lie higher or lower than they should while the rod moves",
+        seen: "one direction is faster than the piston areas explain, or both pressures lie too high or too low while the rod moves",
         check: "the valve's type (a spool for differential cylinders?), its order code, and wear of the edges",
     },
     Cause {
@@ -83,7 +83,7 @@ pub const CAUSES: [Cause; Effect::ALL.len()] = [
     Cause {
         effect: Effect::TankBackPressure,
         happens: "the return line holds the oil back",
-        seen: "fast moves are slower than slow ones promise; the outlet pressure rises with the speed",
+        seen: "fast moves are slower than slow ones promise; the pressure at the valve's tank port rises with the speed",
         check: "the return filter's indicator, cooler, hoses and couplings of the return line",
     },
     Cause {
@@ -101,20 +101,20 @@ pub const CAUSES: [Cause; Effect::ALL.len()] = [
     Cause {
         effect: Effect::LaminarTransition,
         happens: "at a small pressure drop less oil flows than the valve's law says",
-        seen: "it creeps at the end of a move, more so with cold oil",
+        seen: "the last part of a move under nearly full load is slow, more so with cold oil",
         check: "the oil's viscosity and temperature, throttles and strainers in the lines",
     },
     Cause {
         effect: Effect::PumpSlip,
         happens: "the pump loses oil inside",
-        seen: "it moves more slowly under load than without; the pump's case drain is warm",
-        check: "the flow of the pump's case drain, its wear and temperature",
+        seen: "it moves more slowly under load than without; the pump's case drain gives much oil and is hot",
+        check: "the flow and temperature of the pump's case drain; the pump's wear",
     },
     Cause {
         effect: Effect::InternalLeakage,
         happens: "oil passes the piston seal",
-        seen: "a loaded rod sinks with the valve closed; it is slower under load",
-        check: "the piston seal: hold the rod under load with both ports shut off and measure how fast it drifts, and scores in the tube",
+        seen: "with the valve closed the two pressures run together; the rod is slower under load",
+        check: "the piston seal: rod at its end stop, pressure on that side, the other port open: measure what comes out; scores in the tube",
     },
     Cause {
         effect: Effect::ExternalLeakage,
@@ -125,24 +125,24 @@ pub const CAUSES: [Cause; Effect::ALL.len()] = [
     Cause {
         effect: Effect::EntrainedAir,
         happens: "there is air in the oil",
-        seen: "the drive is soft at low pressure and hard at high; it swings, foams or is loud",
+        seen: "the drive is soft at low pressure and hard at high; it oscillates, foams or is loud",
         check: "oil level and suction line, bleeding of the cylinder, foam in the tank",
     },
     Cause {
         effect: Effect::HoseCompliance,
         happens: "hoses or lines yield with the pressure",
-        seen: "the drive is softer than its oil and swings at a low frequency",
+        seen: "the drive is softer than its oil and oscillates at a low frequency",
         check: "length and kind of the hoses, accumulators on the cylinder's side, clamps of the pipes",
     },
     Cause {
         effect: Effect::PositionDependentVolume,
         happens: "the volume of a chamber changes more or less with the stroke than the file says",
-        seen: "the drive is stiffer at one end of the stroke than at the other",
+        seen: "the drive is stiffer near the ends of the stroke than in its middle, more or less than expected",
         check: "the volumes in the machine file: dead volume and lines of each side, and areas",
     },
     Cause {
         effect: Effect::Cavitation,
-        happens: "a chamber's pressure falls to the oil's vapour and it cannot follow",
+        happens: "a chamber's pressure falls to the vapour pressure and a cavity forms",
         seen: "bangs or a stop after fast braking or with a pulling load; the pressure stands near zero",
         check: "anti-cavitation valves, pre-charge of the return line, the speed of braking under a pulling load",
     },
@@ -161,25 +161,25 @@ pub const CAUSES: [Cause; Effect::ALL.len()] = [
     Cause {
         effect: Effect::FrictionAsymmetry,
         happens: "it rubs more in one direction than in the other",
-        seen: "one direction needs more pressure at the same speed and load",
+        seen: "one direction needs more force (pressures times areas) at the same speed and load",
         check: "rod seal and wiper, alignment, a side load that turns with the direction",
     },
     Cause {
         effect: Effect::PositionDependentFriction,
         happens: "it rubs more at some places of the stroke",
-        seen: "the pressure rises at the same places of every stroke",
+        seen: "the force rises at the same places of every stroke, in both directions",
         check: "guides and tube at those places: dents, dirt, alignment, a bent rod",
     },
     Cause {
         effect: Effect::PressureDependentFriction,
         happens: "it rubs more at a high pressure",
-        seen: "at a high pressure the seals hold the rod",
+        seen: "under high pressure it takes more force to move the rod, both ways",
         check: "the kind of the seals, extrusion gaps, side load that grows with the force",
     },
     Cause {
         effect: Effect::PositionDependentLoad,
         happens: "the load changes with the position",
-        seen: "a force that is the same at each place, whichever way it moves",
+        seen: "a force that belongs to the place, whichever way the rod moves",
         check: "springs, counterweights, linkage geometry, gravity on a tilting axis: is it in the machine file?",
     },
     Cause {
@@ -191,7 +191,7 @@ pub const CAUSES: [Cause; Effect::ALL.len()] = [
     Cause {
         effect: Effect::Presliding,
         happens: "the rod yields like a spring before it slides",
-        seen: "small moves come back; at rest the rod follows the force by some µm",
+        seen: "small moves come back; at rest the rod follows the force by tenths of a millimetre",
         check: "seals and guides with elastic parts; nothing is worn by this alone",
     },
     Cause {
@@ -203,19 +203,19 @@ pub const CAUSES: [Cause; Effect::ALL.len()] = [
     Cause {
         effect: Effect::PositionSensorLag,
         happens: "the position is measured late",
-        seen: "the position trails the pressures and the speed by a fixed time",
+        seen: "the position trails pressures and flow by a fixed time",
         check: "the sensor's filter time, the bus cycle, the filter in the logger",
     },
     Cause {
         effect: Effect::SensorOffset,
         happens: "a sensor reads too much or too little",
-        seen: "a pressure that is not zero when the oil is shut off and drained; a spool that is not centred when the valve is without current",
-        check: "zero and range of the sensors named below, their cards and the scaling in the logger",
+        seen: "a pressure that is not zero when the oil is shut off and drained; a spool reading that is not what the valve's data sheet says without current",
+        check: "zero and range of the sensor, its input card and the scaling in the logger",
     },
     Cause {
         effect: Effect::OilTemperature,
         happens: "the oil warms up and gets thinner",
-        seen: "it runs otherwise after an hour than when cold",
+        seen: "it runs differently after an hour than when cold",
         check: "the oil's temperature and cooler, its viscosity class, how long the machine ran before",
     },
 ];

@@ -108,9 +108,7 @@ pub fn marks(signal: Signal, marks: &[Mark]) -> Vec<String> {
     let unit = unit_for_people(signal);
     let read = |si: f64| format!("{} {unit}", significant(unit.from_si(si), 4));
     let time = |seconds: f64| significant(seconds, 3);
-    let of_kind = |kind: MarkKind| marks.iter().filter(move |mark| mark.kind == kind).collect::<Vec<_>>();
-    let said = |kind: MarkKind| {
-        let here = of_kind(kind);
+    let said = |kind: MarkKind, here: &[&Mark]| {
         let first = here.first()?;
         let stretch = |mark: &&&Mark| {
             if mark.from_s < mark.to_s {
@@ -120,7 +118,7 @@ pub fn marks(signal: Signal, marks: &[Mark]) -> Vec<String> {
             }
         };
         let stretches: Vec<String> = here.iter().take(TOLD).map(|mark| stretch(&mark)).collect();
-        let more = if here.len() > TOLD { format!(" and {} times more", here.len() - TOLD) } else { String::new() };
+        let more = if here.len() > TOLD { format!(" and {} more", here.len() - TOLD) } else { String::new() };
         Some(match kind {
             MarkKind::Spike if here.len() == 1 => {
                 format!("a spike at {} s, to {}", time(first.from_s), read(first.reading))
@@ -147,7 +145,20 @@ pub fn marks(signal: Signal, marks: &[Mark]) -> Vec<String> {
             ),
         })
     };
-    MarkKind::ALL.into_iter().filter_map(said).collect()
+    let mut all = Vec::new();
+    for kind in MarkKind::ALL {
+        // Each reading by itself: a channel may be clipped at both ends. Spikes have as many readings as there are.
+        let mut groups: Vec<(String, Vec<&Mark>)> = Vec::new();
+        for mark in marks.iter().filter(|mark| mark.kind == kind) {
+            let reading = if kind == MarkKind::Spike { String::new() } else { read(mark.reading) };
+            match groups.iter_mut().find(|(known, _)| *known == reading) {
+                Some((_, group)) => group.push(mark),
+                None => groups.push((reading, vec![mark])),
+            }
+        }
+        all.extend(groups.iter().filter_map(|(_, group)| said(kind, group)));
+    }
+    all
 }
 
 /// The signal that a piece of advice is about, where it is one.
