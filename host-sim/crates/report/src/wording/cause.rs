@@ -209,7 +209,7 @@ pub const CAUSES: [Cause; Effect::ALL.len()] = [
     Cause {
         effect: Effect::SensorOffset,
         happens: "a sensor reads too much or too little",
-        seen: "a pressure that is not zero with the oil drained; a spool reading without current that is not the data sheet.s",
+        seen: "a pressure that is not zero with the oil drained; a spool reading without current that is not the data sheet's",
         check: "zero and range of the sensor, its input card and the scaling in the logger",
     },
     Cause {
