@@ -288,7 +288,7 @@ fn a_drive_from_its_data_sheet_and_columns_mapped_by_hand_make_a_comparison() {
     assert!(said.starts_with("compare: done"), "{said}: {}", opened.text_of("#refused"));
     let document: serde_json::Value = serde_json::from_str(&opened.save("Save JSON", "compare.json")).unwrap();
     assert_eq!(document["schema"], "host-sim/comparison/1");
-    opened.browser.until("document.querySelector('#result img')?.naturalWidth > 0");
+    opened.browser.until("document.querySelector('#result iframe')?.srcdoc.includes('Comparison of')");
 }
 
 #[test]
