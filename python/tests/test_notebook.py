@@ -16,5 +16,6 @@ def test_the_first_hour_runs():
     shown = {cell["id"]: cell.get("outputs", []) for cell in notebook.cells}
     page = shown["diagnose"][0]["data"]["text/html"]
     assert page.startswith("<iframe srcdoc=") and "internal-leakage" in page
-    assert "<svg" in shown["charts"][0]["data"]["text/html"]
+    compared = shown["charts"][0]["data"]["text/html"]
+    assert compared.startswith("<iframe srcdoc=") and "Comparison of" in compared
     assert "internal-leakage" in shown["finding"][0]["text"]
