@@ -123,17 +123,11 @@ pub(crate) fn compare(
 
 /// No recording that was held out may be one of those that are fitted to.
 fn check_held_out(training: &[Held], held_out: &[Held]) -> Result<(), Refused> {
-    for second in held_out {
-        if let Some(first) = training.iter().find(|first| first.holds_what(second)) {
-            let text = format!(
-                "{} and {} hold the same recording; expected held-out recordings that are not trained on",
-                first.path(),
-                second.path()
-            );
-            return Err(Refused::of(text).in_file(second.path()));
-        }
-    }
-    Ok(())
+    let Some((first, second)) = Held::trained_on(training, held_out) else { return Ok(()) };
+    let (first, second) = (first.path(), second.path());
+    let text =
+        format!("{first} and {second} hold the same recording; expected held-out recordings that are not trained on");
+    Err(Refused::of(text).in_file(second))
 }
 
 /// What `fit` gives: JSON, the machine with the fitted values, notes, the command's table, and the page.

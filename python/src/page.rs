@@ -47,11 +47,6 @@ fn inspection(machine: Option<&str>, recordings: &[Arc<Held>], found: &[Inspecti
     // A recording from memory has no file with further columns.
     let columns = |recording: &Arc<Held>| unknown_columns(Path::new(recording.path()), recording).unwrap_or_default();
     let unknown: Vec<_> = recordings.iter().map(columns).collect();
-    let inspected: Vec<Inspected<'_>> = found
-        .iter()
-        .zip(recordings)
-        .zip(&unknown)
-        .map(|((found, recording), unknown)| Inspected { found, recording, unknown })
-        .collect();
+    let inspected = Inspected::each(found, recordings.iter().map(Arc::as_ref), &unknown);
     html::inspect(machine, &inspected, &About::default())
 }

@@ -45,13 +45,9 @@ pub(crate) fn fit(desk: &Desk, request: &Request, progress: &Progress<'_>) -> Re
 
 /// A recording that is fitted to may count twice; one that is held out may not be among them.
 fn check_held_out(training: &[Recording], held_out: &[Recording]) -> Result<(), Refused> {
-    for second in held_out {
-        if let Some(first) = training.iter().find(|first| first.holds_what(second)) {
-            let (first, second) = (first.name(), second.name());
-            return Err(Refused::of(format_args!(
-                "{first} and {second} hold the same recording; expected held-out recordings that are not trained on"
-            )));
-        }
-    }
-    Ok(())
+    let Some((first, second)) = Recording::trained_on(training, held_out) else { return Ok(()) };
+    let (first, second) = (first.name(), second.name());
+    Err(Refused::of(format_args!(
+        "{first} and {second} hold the same recording; expected held-out recordings that are not trained on"
+    )))
 }

@@ -23,9 +23,7 @@ pub(crate) fn inspect(desk: &Desk, request: &Request) -> Result<Results, Refused
     };
     let unknown: Vec<Vec<UnknownColumn>> =
         names.iter().zip(&recordings).map(|of| surveyed(of).unwrap_or_default()).collect();
-    let all = found.iter().zip(&recordings).zip(&unknown);
-    let inspected: Vec<Inspected<'_>> =
-        all.map(|((found, recording), unknown)| Inspected { found, recording, unknown }).collect();
+    let inspected = Inspected::each(&found, &recordings, &unknown);
     Ok(Results {
         text: texts.join("\n"),
         json: format!("{:#}\n", report::inspect::document(&found)),

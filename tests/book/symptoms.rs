@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use diagnosis::catalogue::CATALOGUE;
 use model_core::effects::Effect;
-use report::wording::cause;
+use report::wording::{capital, cause};
 use system_tests::snapshot;
 
 const HEAD: &str = "\
@@ -32,11 +32,6 @@ Look here first: these are cheap to check, and `inspect` or `diagnose` says them
 /// How a cell may name several words of a table: the bar ends a cell.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 #[test]

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use identification::experiment::Prepared;
 use recording::{ChannelMap, Signal};
+use system_tests::page::without_its_making;
 
 use super::{done, root, text};
 
@@ -245,12 +246,6 @@ fn one_thread_and_two_write_the_same_bytes() {
     assert_eq!(one.json, two.json);
     assert_eq!(one.machine, two.machine);
     assert_eq!(without_its_making(&one.page), without_its_making(&two.page));
-}
-
-/// A page without when and by which command it was made.
-fn without_its_making(page: &str) -> String {
-    let (before, rest) = page.split_once("<details class=\"about\">").unwrap();
-    before.to_owned() + rest.split_once("</details>").unwrap().1
 }
 
 #[test]

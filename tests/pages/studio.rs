@@ -9,6 +9,7 @@ use host_sim::cli::{self, Cli, Console};
 use serde_json::json;
 use system_tests::at_hand::shared;
 use system_tests::emulator::{builds_for, built_in};
+use system_tests::page::without_its_making;
 use tempfile::TempDir;
 
 use super::chromium::{Chromium, program};
@@ -152,12 +153,6 @@ fn by_the_program(folder: &Path) -> ([String; 3], f64) {
     pool.install(run).unwrap();
     let took_s = begun.elapsed().as_secs_f64();
     ([json, machine, page].map(|file| std::fs::read_to_string(file).unwrap()), took_s)
-}
-
-/// A page without what was noted of its making: each of the two was made at its own time, by its own means.
-fn without_its_making(page: &str) -> String {
-    let (before, rest) = page.split_once("<details class=\"about\">").unwrap();
-    before.to_owned() + rest.split_once("</details>").unwrap().1
 }
 
 /// The seconds in `diagnose: done in 5.2 s`.

@@ -11,6 +11,7 @@ pub mod drives;
 pub mod emulator;
 #[cfg(unix)]
 pub mod in_the_loop;
+pub mod page;
 #[cfg(unix)]
 #[path = "../../firmware/tests/rig/parts.rs"]
 #[expect(dead_code, reason = "the firmware's own tests break more of them")]

@@ -116,14 +116,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 
 /// Checks that no recording that was held out is one of those that are fitted to. One that is fitted to may be given twice, to count twice.
 fn check_held_out(training: &[Recording], held_out: &[Recording]) -> Result<(), CliError> {
-    for second in held_out {
-        if let Some(first) = training.iter().find(|first| first.holds_what(second)) {
-            let (first, second) = (first.path().to_owned(), second.path().to_owned());
-            let expected = "held-out recordings that are not trained on";
-            return Err(CliError::SameRecording { first, second, expected });
-        }
-    }
-    Ok(())
+    let Some((first, second)) = Recording::trained_on(training, held_out) else { return Ok(()) };
+    let (first, second) = (first.path().to_owned(), second.path().to_owned());
+    Err(CliError::SameRecording { first, second, expected: "held-out recordings that are not trained on" })
 }
 
 /// Checks the files to write: a fitted machine file may replace the one that it was made from; no other result may replace an input.

@@ -87,12 +87,7 @@ fn page(arguments: &Arguments, recordings: &[Recording], found: &[Inspection], f
         .zip(recordings)
         .map(|(path, recording)| unknown_columns(path, recording).unwrap_or_default())
         .collect();
-    let inspected: Vec<Inspected<'_>> = found
-        .iter()
-        .zip(recordings)
-        .zip(&unknown)
-        .map(|((found, recording), unknown)| Inspected { found, recording, unknown })
-        .collect();
+    let inspected = Inspected::each(found, recordings, &unknown);
     html::inspect(file.map(|file| file.name.as_str()), &inspected, &about(arguments.machine.as_slice()))
 }
 

@@ -352,6 +352,12 @@ impl Recording {
         })
     }
 
+    /// The first recording that was held out and holds the same as one to train on: that one, and it.
+    #[must_use]
+    pub fn trained_on<'a>(training: &'a [Self], held_out: &'a [Self]) -> Option<(&'a Self, &'a Self)> {
+        held_out.iter().find_map(|second| Some((training.iter().find(|first| first.holds_what(second))?, second)))
+    }
+
     /// The number of rows, at least two.
     #[must_use]
     pub fn rows(&self) -> usize {

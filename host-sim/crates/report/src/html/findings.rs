@@ -17,7 +17,7 @@ use super::parameters::{deviation, number};
 use crate::evidence::Exhibits;
 use crate::size::size;
 use crate::terminal::still_missing;
-use crate::wording;
+use crate::wording::{self, capital};
 
 /// What was found, as the people at the machine know it, with its size and what to check; and what is left.
 pub(crate) fn in_words(diagnosis: &Diagnosis) -> Markup {
@@ -201,12 +201,6 @@ pub(crate) fn to_the_controller(diagnosis: &Diagnosis) -> Markup {
             }
         }
     }
-}
-
-/// With a capital letter.
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The effect's tables in the machine file: its own, and the table of the bristles that several frictions share.

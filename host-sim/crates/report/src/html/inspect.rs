@@ -28,6 +28,18 @@ pub struct Inspected<'a> {
     pub unknown: &'a [UnknownColumn],
 }
 
+impl<'a> Inspected<'a> {
+    /// What was found, the recordings and their further columns, each in the same order.
+    pub fn each(
+        found: &'a [Inspection],
+        recordings: impl IntoIterator<Item = &'a Recording>,
+        unknown: &'a [Vec<UnknownColumn>],
+    ) -> Vec<Self> {
+        let all = found.iter().zip(recordings).zip(unknown);
+        all.map(|((found, recording), unknown)| Inspected { found, recording, unknown }).collect()
+    }
+}
+
 /// The page of some recordings, looked at beside this machine file where there is one.
 #[must_use]
 pub fn inspect(machine: Option<&str>, all: &[Inspected<'_>], about: &About) -> String {

@@ -36,3 +36,10 @@ pub use tests_to_make::{look_alikes, separated_by};
 pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
 pub use unfinished::{best_so_far, left_out, limit_reached, not_tried, slow, spent};
 pub use unit::{notes, own_notes, unit_doubt, unit_notes};
+
+/// A clause with a capital letter, as a sentence begins.
+#[must_use]
+pub fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
