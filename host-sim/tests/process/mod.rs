@@ -18,7 +18,8 @@ pub(crate) fn example(name: &str) -> String {
 
 pub(crate) fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-    command.current_dir(folder).args(arguments);
+    // What is written twice is compared, and a page says when it was written.
+    command.current_dir(folder).args(arguments).env("SOURCE_DATE_EPOCH", "1767225600");
     command
 }
 
