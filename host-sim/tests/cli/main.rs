@@ -37,6 +37,7 @@ mod studio;
 mod targets;
 mod terminal;
 mod testbed;
+mod troubles;
 
 use tempfile::TempDir;
 
