@@ -31,8 +31,16 @@ const ASKED: [(&str, i32, &str); 24] = [
     ("inspect pandas-index-first/r.csv", 0, "1501 rows, 3.000 s"),
     ("inspect parquet-duration/timedelta_index.parquet", 0, "1501 rows, 3.000 s"),
     ("diagnose start-state/folder", 0, "nothing missing"),
-    ("inspect thousands-mark/r.csv --machine thousands-mark/machine.toml", 2, "holds `1.004` with a point, and column `time [s]` holds `0,000`"),
-    ("inspect twincat-unscaled/unscaled.csv --machine twincat-unscaled/machine.toml", 0, "the header states a scale factor or offset"),
+    (
+        "inspect thousands-mark/r.csv --machine thousands-mark/machine.toml",
+        2,
+        "holds `1.004` with a point, and column `time [s]` holds `0,000`",
+    ),
+    (
+        "inspect twincat-unscaled/unscaled.csv --machine twincat-unscaled/machine.toml",
+        0,
+        "the header states a scale factor or offset",
+    ),
     ("diagnose unit-absorbed/folder", 2, "position seems to be a tenth of what it should be"),
 ];
 

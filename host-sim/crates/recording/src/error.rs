@@ -237,12 +237,9 @@ impl Explained for RecordingError {
             E::LineTooLong { .. } | E::TooManySkippedLines { .. } => {
                 "a text file with a header and one row a line".into()
             }
-            E::NotUtf8 { byte: 0xFE | 0xFF, .. } => {
-                "text in UTF-8; this looks like UTF-16, which `iconv -f UTF-16 -t UTF-8 in.csv > out.csv` converts"
-                    .into()
-            }
             E::NotUtf8 { .. } => {
-                "text in UTF-8 or Windows-1252; others are converted by `iconv -f … -t UTF-8 in.csv > out.csv`".into()
+                "text in UTF-8, UTF-16 or Windows-1252; others are converted by `iconv -f … -t UTF-8 in.csv > out.csv`"
+                    .into()
             }
             E::ControlCharacter { .. } => "a text file in UTF-8 with line ends LF or CRLF".into(),
             E::OpenQuote { .. } => "a closing quotation mark on the same line".into(),

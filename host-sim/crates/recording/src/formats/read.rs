@@ -82,7 +82,7 @@ pub fn parts_of<'a>(
 fn opened<'a>(name: &str, input: Input<'a>, map: &ChannelMap) -> Result<Opened<'a>, RecordingError> {
     let (format, all) = recognised(name, input)?;
     match format {
-        Format::Text => Opened::text(name, Box::new(all), map).map_err(|error| of_its_name(name, error)),
+        Format::Text => Opened::text(name, all, map).map_err(|error| of_its_name(name, error)),
         #[cfg(feature = "gzip")]
         Format::Gzip => {
             let inner = super::gzip::unpacked(name, all)?;

@@ -4,11 +4,14 @@ use std::fs::File;
 use std::io::{self, Cursor, Read};
 use std::path::Path;
 
+use encoding_rs_io::DecodeReaderBytes;
+
 #[cfg(any(feature = "mat", feature = "mdf4", feature = "parquet", feature = "xlsx"))]
 use super::format::MAX_BINARY_BYTES;
 use super::format::{Format, HEAD};
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
+use crate::formats::text::lines::Input;
 
 /// Opens a file; also gives its name for messages.
 pub(crate) fn open(path: &Path) -> Result<(String, File), RecordingError> {
@@ -23,13 +26,16 @@ pub(crate) fn unreadable(name: &str, source: io::Error) -> RecordingError {
     RecordingError::Io { place: Place::file(name), source }
 }
 
-/// The format that the first bytes of a file show, and all of the file.
-pub(crate) fn recognised<R: Read>(name: &str, mut file: R) -> Result<(Format, impl Read + use<R>), RecordingError> {
+/// The format that the first bytes of a file show, and all of the file; a text in UTF-16 is one in UTF-8 from here on.
+pub(crate) fn recognised<'a>(name: &str, mut file: impl Read + 'a) -> Result<(Format, Input<'a>), RecordingError> {
     let mut head = Vec::new();
     (&mut file).take(HEAD as u64).read_to_end(&mut head).map_err(|source| unreadable(name, source))?;
     let format =
         Format::of_content(&head).map_err(|what| RecordingError::Unsupported { place: Place::file(name), what })?;
-    Ok((format, Cursor::new(head).chain(file)))
+    let is_utf_16 = head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff");
+    let all = Cursor::new(head).chain(file);
+    // It goes by the mark with which the text begins.
+    Ok((format, if is_utf_16 { Box::new(DecodeReaderBytes::new(all)) } else { Box::new(all) }))
 }
 
 /// All bytes of a file that is not text.

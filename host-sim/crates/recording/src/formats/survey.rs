@@ -30,7 +30,7 @@ pub fn survey_from(name: &str, input: impl Read) -> Result<Vec<Surveyed>, Record
 fn of(name: &str, input: Input<'_>) -> Result<Vec<Surveyed>, RecordingError> {
     let (format, all) = recognised(name, input)?;
     match format {
-        Format::Text => of_text(name, Box::new(all)),
+        Format::Text => of_text(name, all),
         #[cfg(feature = "gzip")]
         Format::Gzip => of(name, super::gzip::unpacked(name, all)?),
         #[cfg(feature = "xlsx")]

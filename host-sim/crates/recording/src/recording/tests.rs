@@ -123,8 +123,6 @@ fn files_without_a_table_are_refused() {
     assert_error!(refused("time [s],spool\n0,0\n", None), RecordingError::TooFewRows { rows: 1, .. });
     assert_error!(refused("time [s],spool\n0,\n1,\n", None), RecordingError::TooFewRows { rows: 0, skipped: 2, .. });
     assert_error!(refused(b"time [s],temp [\x81C]\n", Some(1)), RecordingError::NotUtf8 { byte: 0x81, .. });
-    let utf_16 = refused(b"\xff\xfet\0i\0m\0e\0\n\0", Some(1));
-    assert!(utf_16.to_string().contains("looks like UTF-16, which `iconv -f UTF-16"), "{utf_16}");
     assert_error!(refused("time [s],spool\n0,\u{0}\n", Some(2)), RecordingError::ControlCharacter { .. });
     assert_error!(refused("time [s],spool\n0,\"1\n1,2\n", Some(2)), RecordingError::OpenQuote { .. });
 }
@@ -189,7 +187,7 @@ impl Read for Endless {
 fn endless_garbage_is_refused_early() {
     let error = |pattern| read_from("big", Endless(pattern, 0), &ChannelMap::default()).unwrap_err();
     assert_error!(error(b"\x7fELF\x02\n\xff"), RecordingError::ControlCharacter { .. });
-    assert_error!(error(b"\xfe\xed\n"), RecordingError::NotUtf8 { .. });
+    assert_error!(error(b"\x81\xed\n"), RecordingError::NotUtf8 { .. });
     assert_error!(error(b"\0"), RecordingError::LineTooLong { .. });
     assert_error!(error(b"a,"), RecordingError::LineTooLong { .. });
     assert_error!(error(b"lorem ipsum\n"), RecordingError::NoTimeColumn { .. });

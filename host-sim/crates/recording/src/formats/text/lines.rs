@@ -177,10 +177,7 @@ impl<'a> Lines<'a> {
                 return Err(RecordingError::TooManySkippedLines { place, most: MAX_SKIPPED_LINES });
             }
         }
-        // UTF-16 begins with a byte order mark, which does not occur in a Windows-1252 text either.
-        let is_utf_16 = self.number == 1 && matches!(self.bytes.first(), Some(0xFE | 0xFF));
         if str::from_utf8(&self.bytes).is_err()
-            && !is_utf_16
             && let Some(text) = western(&self.bytes)
         {
             self.western.get_or_insert(self.number);
