@@ -263,9 +263,9 @@ impl Progress {
     }
 }
 
-/// How far a stage is after so many minutes; estimates of its length may be short, so it is never told to be more than done.
+/// How far a stage is after so many minutes; estimates of its length may be short, and what still goes on is not told to be done.
 fn so_far(doing: &str, minutes: u64, done: u64, of: Option<u64>) -> String {
-    let share = of.filter(|of| *of > 0).map(|of| format!(", {} %", 100 * done.min(of) / of));
+    let share = of.filter(|of| *of > 0).map(|of| format!(", {} %", (100 * done.min(of) / of).min(99)));
     format!("{doing}: {minutes} min{}", share.unwrap_or_default())
 }
 
@@ -274,9 +274,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_in_a_log_tells_the_minutes_and_at_most_all_of_the_work() {
+    fn a_line_in_a_log_tells_the_minutes_and_never_all_of_the_work() {
         assert_eq!(so_far("diagnosing", 1, 30, Some(120)), "diagnosing: 1 min, 25 %");
-        assert_eq!(so_far("diagnosing", 12, 130, Some(120)), "diagnosing: 12 min, 100 %");
+        assert_eq!(so_far("diagnosing", 12, 130, Some(120)), "diagnosing: 12 min, 99 %");
         assert_eq!(so_far("diagnosing", 2, 5, None), "diagnosing: 2 min");
     }
 
