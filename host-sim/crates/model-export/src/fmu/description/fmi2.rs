@@ -18,7 +18,7 @@ use crate::fmu::variable::Variable;
 /// A description, in the order of the standard's schema.
 #[derive(Debug, XmlWrite)]
 #[xml(tag = "fmiModelDescription")]
-pub(crate) struct Description {
+pub(crate) struct ModelDescription {
     #[xml(attr = "fmiVersion")]
     fmi_version: String,
     #[xml(attr = "modelName")]
@@ -121,11 +121,11 @@ struct Unknown {
 }
 
 /// The description of a drive's variables, and of what its library can do.
-pub(crate) fn description(contents: &Contents) -> Description {
+pub(crate) fn description(contents: &Contents) -> ModelDescription {
     let source = contents.machine.source;
     let quantities = quantities(source);
     let (category, meaning) = LOG_CATEGORY;
-    Description {
+    ModelDescription {
         fmi_version: "2.0".to_owned(),
         model_name: printable(&contents.name),
         guid: token(contents),
