@@ -3,7 +3,7 @@
 use std::ffi::c_void;
 use std::ptr;
 
-use super::{Status, places, put, slice};
+use super::pointers::{Status, places, put, slice};
 use crate::{Instance, Refusal, Snapshot};
 
 /// The state behind a pointer of the tool.

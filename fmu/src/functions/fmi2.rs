@@ -3,8 +3,9 @@
 use std::ffi::{c_int, c_void};
 use std::ptr;
 
+use super::handle::{at, free, instantiated, on};
 use super::log::{Log, Logger, c_text};
-use super::{DISCARD, Reference, Status, Text, instantiated, on, places, put, slice, text};
+use super::pointers::{DISCARD, Reference, Status, Text, places, put, slice, text};
 use crate::location::folder;
 use crate::{Instance, Refusal};
 
@@ -68,7 +69,7 @@ pub(super) unsafe extern "C" fn fmi2Instantiate(
 
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn fmi2FreeInstance(instance: *mut c_void) {
-    unsafe { super::free(instance) };
+    unsafe { free(instance) };
 }
 
 functions! {
@@ -108,7 +109,7 @@ macro_rules! statuses {
                 return DISCARD;
             }
             // SAFETY: the instance is the tool's, and what is not null is a place for a value.
-            on(unsafe { super::handle(instance) }, stringify!($name), |instance| unsafe { put(value, $act(instance)) })
+            on(unsafe { at(instance) }, stringify!($name), |instance| unsafe { put(value, $act(instance)) })
         }
     )* };
 }

@@ -4,8 +4,9 @@ use std::ffi::{c_int, c_void};
 use std::path::Path;
 use std::ptr;
 
+use super::handle::{free, instantiated};
 use super::log::{Log, Message};
-use super::{Reference, Status, Text, instantiated, places, put, slice, text};
+use super::pointers::{Reference, Status, Text, places, put, slice, text};
 use crate::{Instance, Refusal};
 
 type IntermediateUpdate = Option<unsafe extern "C" fn(*mut c_void, f64, bool, bool, bool, bool, *mut bool, *mut f64)>;
@@ -71,7 +72,7 @@ unsafe extern "C" fn fmi3InstantiateScheduledExecution(
 
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn fmi3FreeInstance(instance: *mut c_void) {
-    unsafe { super::free(instance) };
+    unsafe { free(instance) };
 }
 
 functions! {

@@ -2,7 +2,7 @@
 
 use std::ffi::{CString, c_void};
 
-use super::{ERROR, Status, Text};
+use super::pointers::{ERROR, Status, Text};
 use crate::Refusal;
 
 /// The tool's function for messages in FMI 3.0: environment, status, category, message.

@@ -1,13 +1,14 @@
-use std::ffi::CString;
+use std::ffi::{CStr, CString, c_int, c_void};
 use std::mem::transmute;
 use std::path::Path;
+use std::ptr;
 
 use model_export::fmu::{Contents, Variable};
 
 use super::both::*;
 use super::fmi2::*;
 use super::fmi3::*;
-use super::*;
+use super::pointers::{DISCARD, ERROR, OK, Status, Text, text};
 use crate::instance::tests::{PRESS, resources};
 
 /// Stores a message of the log; the tool's own environment is passed with it.
