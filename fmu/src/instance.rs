@@ -1,4 +1,4 @@
-//! One drive in a tool: its variables, its modes and its steps, as FMI 3.0 requires them.
+//! One drive in a tool: its variables, its modes and its steps, as FMI 2.0 and 3.0 require them.
 
 use std::path::Path;
 
@@ -63,20 +63,26 @@ impl Instance {
         *self = Self::of(self.contents.clone());
     }
 
-    /// Begins the initialisation at this time, s.
-    pub(crate) fn enter_initialization(&mut self, start_s: f64) -> Result<(), Refusal> {
-        self.only_in(Mode::Instantiated, "fmi3EnterInitializationMode")?;
+    /// Sets the time at which the simulation begins, s.
+    pub(crate) fn start_at(&mut self, start_s: f64) -> Result<(), Refusal> {
+        self.only_in(Mode::Instantiated)?;
         if !start_s.is_finite() {
             return Err(Refusal::StartTime { start_s });
         }
         self.start_s = start_s;
+        Ok(())
+    }
+
+    /// Begins the initialisation.
+    pub(crate) fn enter_initialization(&mut self) -> Result<(), Refusal> {
+        self.only_in(Mode::Instantiated)?;
         self.mode = Mode::Initialization;
         Ok(())
     }
 
     /// Brings the drive to rest, ready for the first step.
     pub(crate) fn exit_initialization(&mut self) -> Result<(), Refusal> {
-        self.only_in(Mode::Initialization, "fmi3ExitInitializationMode")?;
+        self.only_in(Mode::Initialization)?;
         self.at_rest()?;
         self.mode = Mode::Step;
         Ok(())
@@ -84,7 +90,7 @@ impl Instance {
 
     /// Ends the simulation.
     pub(crate) fn terminate(&mut self) -> Result<(), Refusal> {
-        self.only_in(Mode::Step, "fmi3Terminate")?;
+        self.only_in(Mode::Step)?;
         self.mode = Mode::Terminated;
         Ok(())
     }
@@ -153,7 +159,7 @@ impl Instance {
 
     /// Simulates a step that begins now, with the inputs held. Returns the time at its end, s.
     pub(crate) fn step(&mut self, from_s: f64, step_s: f64) -> Result<f64, Refusal> {
-        self.only_in(Mode::Step, "fmi3DoStep")?;
+        self.only_in(Mode::Step)?;
         let (tick_s, reached_s) = (self.tick_s(), self.time_s());
         // A time that is not a number fails this comparison.
         let there = (from_s - reached_s).abs() < 0.5 * tick_s;
@@ -230,8 +236,8 @@ impl Instance {
         variables.find(|variable| variable.reference() == reference).ok_or(Refusal::Unknown { reference })
     }
 
-    fn only_in(&self, expected: Mode, call: &'static str) -> Result<(), Refusal> {
-        if self.mode == expected { Ok(()) } else { Err(Refusal::Mode { call, mode: self.mode, expected }) }
+    fn only_in(&self, expected: Mode) -> Result<(), Refusal> {
+        if self.mode == expected { Ok(()) } else { Err(Refusal::Mode { mode: self.mode, expected }) }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Why a call was refused; the message appears in the tool's log.
+//! Why a call was refused; the message appears in the tool's log, after the name of the function.
 
 use model_core::machine::MachineError;
 use model_export::fmu::{ContentsError, Variable};
@@ -27,12 +27,23 @@ pub enum Refusal {
         /// The argument.
         what: &'static str,
     },
-    /// A null pointer where a result is to be written.
-    #[error("{call}: no place to write; expected a pointer that is not null")]
-    NoPlace {
-        /// The function.
-        call: &'static str,
+    /// An instance for something else than co-simulation.
+    #[error("an instance of kind {found}; expected {expected}, for co-simulation")]
+    Kind {
+        /// The kind that the tool asks for.
+        found: i32,
+        /// The kind for co-simulation.
+        expected: i32,
     },
+    /// A place of the resources that is no folder of this computer.
+    #[error("the resources at {found:?}; expected a URI that begins with file:/// and names a folder of this computer")]
+    Location {
+        /// The place that the tool gives.
+        found: String,
+    },
+    /// A null pointer where a result is to be written, or a state is to be read.
+    #[error("no place to write, or no state; expected a pointer that is not null")]
+    NoPlace,
     /// The FMU's resources hold no drive.
     #[error(transparent)]
     Contents(#[from] ContentsError),
@@ -88,10 +99,8 @@ pub enum Refusal {
         max: f64,
     },
     /// The call is not allowed in this mode.
-    #[error("{call} in mode {mode:?}; expected it in mode {expected:?}")]
+    #[error("called in mode {mode:?}; expected it in mode {expected:?}")]
     Mode {
-        /// The function.
-        call: &'static str,
         /// The mode in which it was called.
         mode: Mode,
         /// The mode in which it is allowed.
@@ -145,9 +154,6 @@ pub enum Refusal {
         expected: usize,
     },
     /// A function that this FMU does not support.
-    #[error("{call}: not in this FMU; expected what its model description says it can do")]
-    NotHere {
-        /// The function.
-        call: &'static str,
-    },
+    #[error("not in this FMU; expected what its model description says it can do")]
+    NotHere,
 }

@@ -4,21 +4,15 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
+use fmi_schema::fmi2::{Fmi2ModelDescription, Real, ScalarVariable, ScalarVariableElement, SimpleTypeElement};
 use fmi_schema::fmi3::{AbstractVariableTrait, Fmi3ModelDescription, FmiFloat64, TypeDefinition, TypedVariableTrait};
-use tempfile::TempDir;
 use zip::ZipArchive;
 
-use super::{PUMP, done, leaking_press, library, run, text};
+use super::{PUMP, VERSIONS, exported, leaking_press, library, run, text};
 
-fn exported(machine: &str, further: &[&str]) -> (TempDir, Vec<u8>) {
+fn packed(machine: &str, further: &[&str]) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
-    let [file, fmu] = ["machine.toml", "drive.fmu"].map(|name| folder.path().join(name));
-    std::fs::write(&file, machine).unwrap();
-    let library = library();
-    let always = ["export", "--machine", text(&file), "--out", text(&fmu), "--library", text(&library)];
-    done(&[&always, further].concat());
-    let bytes = std::fs::read(&fmu).unwrap();
-    (folder, bytes)
+    std::fs::read(exported(folder.path(), "drive", machine, further)).unwrap()
 }
 
 fn entry(bytes: &[u8], name: &str) -> Vec<u8> {
@@ -28,9 +22,12 @@ fn entry(bytes: &[u8], name: &str) -> Vec<u8> {
     content
 }
 
+fn description(bytes: &[u8]) -> String {
+    String::from_utf8(entry(bytes, "modelDescription.xml")).unwrap()
+}
+
 fn described(bytes: &[u8]) -> Fmi3ModelDescription {
-    let xml = String::from_utf8(entry(bytes, "modelDescription.xml")).unwrap();
-    fmi_schema::deserialize(&xml).unwrap()
+    fmi_schema::deserialize(&description(bytes)).unwrap()
 }
 
 /// Names and units of all variables.
@@ -48,24 +45,58 @@ fn units(description: &Fmi3ModelDescription) -> BTreeMap<String, String> {
     description.model_variables.float64().into_iter().map(unit).collect()
 }
 
+/// The variables that a description by FMI 2.0 has, with their units.
+fn units_of_version_2(description: &Fmi2ModelDescription) -> BTreeMap<String, String> {
+    let types = &description.type_definitions.as_ref().unwrap().types;
+    let unit = |variable: &ScalarVariable| {
+        let ScalarVariableElement::Real(Real { declared_type: Some(declared), .. }) = &variable.elem else {
+            panic!("not a real number: {variable:?}")
+        };
+        let simple = types.iter().find(|simple| simple.name == *declared).unwrap();
+        let SimpleTypeElement::Real(real) = &simple.elem else { panic!("not a real number: {simple:?}") };
+        (variable.name.clone(), real.unit.clone().unwrap())
+    };
+    description.get_model_variables().map(unit).collect()
+}
+
 #[test]
 fn an_fmu_holds_a_description_a_drive_and_the_library_and_nothing_else() {
-    let (_folder, bytes) = exported(&leaking_press(), &[]);
-    let archive = ZipArchive::new(Cursor::new(&bytes)).unwrap();
-    let mut names = archive.file_names().collect::<Result<Vec<_>, _>>().unwrap();
-    names.sort_unstable();
-    assert_eq!(names.len(), 4, "{names:?}");
-    let binary = &*names[0];
-    assert!(binary.starts_with("binaries/") && binary.contains("/drive."), "{binary}");
-    assert_eq!(names[1..], ["modelDescription.xml", "resources/machine.toml", "resources/settings.json"]);
-    assert_eq!(entry(&bytes, binary), std::fs::read(library()).unwrap());
-    let machine = String::from_utf8(entry(&bytes, "resources/machine.toml")).unwrap();
-    assert!(machine.contains("[effects.internal-leakage]"), "{machine}");
+    for version in VERSIONS {
+        let bytes = packed(&leaking_press(), &["--fmi", version]);
+        let archive = ZipArchive::new(Cursor::new(&bytes)).unwrap();
+        let mut names = archive.file_names().collect::<Result<Vec<_>, _>>().unwrap();
+        names.sort_unstable();
+        assert_eq!(names.len(), 4, "{names:?}");
+        let binary = &*names[0];
+        let mut path = binary.split('/');
+        assert_eq!((path.next(), path.clone().count()), (Some("binaries"), 2), "{binary}");
+        let folder = path.next().unwrap();
+        // `x86_64-linux` became the name with FMI 3.0; before, it was `linux64`.
+        assert_eq!(folder.contains('-'), version == "3.0", "{binary}");
+        assert!(path.next().unwrap().starts_with("drive."), "{binary}");
+        assert_eq!(names[1..], ["modelDescription.xml", "resources/machine.toml", "resources/settings.json"]);
+        assert_eq!(entry(&bytes, binary), std::fs::read(library()).unwrap());
+        assert!(description(&bytes).contains(&format!(" fmiVersion=\"{version}\" ")));
+        let machine = String::from_utf8(entry(&bytes, "resources/machine.toml")).unwrap();
+        assert!(machine.contains("[effects.internal-leakage]"), "{machine}");
+    }
+}
+
+#[test]
+fn both_versions_describe_the_same_variables_by_the_same_token() {
+    for drive in [&leaking_press(), PUMP] {
+        let three = described(&packed(drive, &[]));
+        assert_eq!(three, described(&packed(drive, &["--fmi", "3.0"])), "3.0 is the default");
+        let text = description(&packed(drive, &["--fmi", "2.0"]));
+        let two: Fmi2ModelDescription = fmi_schema::deserialize(&text).unwrap();
+        assert_eq!((two.guid, two.model_name), (three.instantiation_token.clone(), three.model_name.clone()));
+        assert_eq!(units_of_version_2(&fmi_schema::deserialize(&text).unwrap()), units(&three));
+    }
 }
 
 #[test]
 fn a_valve_drive_has_these_variables_in_these_units() {
-    let description = described(&exported(&leaking_press(), &["--tick", "0.5"]).1);
+    let description = described(&packed(&leaking_press(), &["--tick", "0.5"]));
     let expected = [
         ("command", "V"),
         ("flow", "m3/s"),
@@ -89,7 +120,7 @@ fn a_valve_drive_has_these_variables_in_these_units() {
 
 #[test]
 fn a_pump_drive_has_speed_and_direction_in_place_of_a_command() {
-    let description = described(&exported(PUMP, &[]).1);
+    let description = described(&packed(PUMP, &[]));
     let units = units(&description);
     assert_eq!(units["pump_speed"], "rev/s");
     assert_eq!(units["valve_direction"], "1");
@@ -99,12 +130,18 @@ fn a_pump_drive_has_speed_and_direction_in_place_of_a_command() {
 
 #[test]
 fn the_same_drive_becomes_the_same_file() {
-    let (_, once) = exported(&leaking_press(), &["--arithmetic", "float"]);
-    let (_, again) = exported(&leaking_press(), &["--arithmetic", "float"]);
-    assert!(once == again);
-    let (_, fixed) = exported(&leaking_press(), &[]);
-    assert!(once != fixed);
-    assert_eq!(entry(&once, "resources/settings.json"), b"{\"tick\":\"OneMillisecond\",\"arithmetic\":\"float\"}\n");
+    let float = |version| packed(&leaking_press(), &["--arithmetic", "float", "--fmi", version]);
+    let [two, three] = VERSIONS.map(|version| {
+        let once = float(version);
+        assert!(once == float(version));
+        assert!(once != packed(&leaking_press(), &["--fmi", version]));
+        once
+    });
+    assert!(two != three);
+    for name in ["resources/machine.toml", "resources/settings.json"] {
+        assert_eq!(entry(&two, name), entry(&three, name));
+    }
+    assert_eq!(entry(&two, "resources/settings.json"), b"{\"tick\":\"OneMillisecond\",\"arithmetic\":\"float\"}\n");
 }
 
 #[test]
@@ -121,9 +158,11 @@ fn what_cannot_be_packed_is_refused_and_nothing_is_written() {
     };
     let machine = path("machine.toml");
     let other = refused(&["--library", text(&machine)], &path("drive.fmu"));
-    assert!(other.contains("machine.toml: no function fmi3InstantiateCoSimulation"), "{other}");
+    assert!(other.contains("machine.toml: no function fmi2Instantiate"), "{other}");
     let useless = refused(&["--arithmetic", "float"], &path("params.h"));
     assert!(useless.contains("--arithmetic: only an FMU has it; expected --out with .fmu"), "{useless}");
+    let older = refused(&["--fmi", "2.0"], &path("params.rs"));
+    assert!(older.contains("--fmi: only an FMU has it; expected --out with .fmu"), "{older}");
     let slow = leaking_press().replace("transport_delay_s = 0.007", "transport_delay_s = 0.8");
     std::fs::write(path("machine.toml"), slow).unwrap();
     let library = library();

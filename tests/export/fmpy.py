@@ -1,4 +1,4 @@
-"""What FMPy makes of an FMU: `validate FMU`, `simulate FMU CSV STEP`, `states FMU`."""
+"""What FMPy makes of an FMU of either version: `validate FMU`, `simulate FMU CSV STEP`, `states FMU`, `refusals FMU OTHER`."""
 
 import contextlib
 import csv
@@ -7,6 +7,7 @@ import sys
 
 import numpy
 from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
@@ -47,31 +48,72 @@ def simulate(fmu, recording, step):
         print(*(repr(float(value)) for value in row))
 
 
-def states(fmu):
-    """The position after a step: once, again from the state before it, and again from that state as bytes."""
-    described = read_model_description(fmu)
-    reference = {variable.name: variable.valueReference for variable in described.modelVariables}
-    folder = extract(fmu)
-    try:
-        slave = FMU3Slave(
+class Drive:
+    """An instance of an FMU of either version, and what it wrote into the log."""
+
+    def __init__(self, fmu, folder):
+        described = read_model_description(fmu)
+        self.reference = {variable.name: variable.valueReference for variable in described.modelVariables}
+        self.told = []
+        self.version = described.fmiVersion
+        kind = {"2.0": FMU2Slave, "3.0": FMU3Slave}[self.version]
+        self.slave = kind(
             guid=described.guid,
             unzipDirectory=folder,
             modelIdentifier=described.coSimulation.modelIdentifier,
             instanceName="drive",
         )
-        told = []
-        slave.instantiate(logMessage=lambda environment, status, category, message: told.append(message.decode()))
+        if self.version == "2.0":
+            logger = fmi2CallbackLoggerTYPE(lambda _, name, status, category, message: self.tell(message))
+            self.slave.instantiate(callbacks=fmi2CallbackFunctions(logger=logger))
+            self.set, self.get = self.slave.setReal, self.slave.getReal
+        else:
+            self.slave.instantiate(logMessage=lambda _, status, category, message: self.tell(message))
+            self.set, self.get = self.slave.setFloat64, self.slave.getFloat64
 
-        def begin():
-            slave.enterInitializationMode()
-            slave.setFloat64([reference["command"]], [5.0])
-            slave.exitInitializationMode()
+    def tell(self, message):
+        self.told.append(message.decode())
+
+    def begin(self):
+        if self.version == "2.0":
+            self.slave.setupExperiment()
+        self.slave.enterInitializationMode()
+        self.set([self.reference["command"]], [5.0])
+        self.slave.exitInitializationMode()
+
+    def position(self):
+        return repr(self.get([self.reference["position"]])[0])
+
+    def refused(self, act):
+        """The last line of the log after what must not succeed."""
+        try:
+            act()
+        except Exception:
+            return self.told[-1]
+        raise AssertionError("not refused")
+
+
+@contextlib.contextmanager
+def drive(fmu):
+    folder = extract(fmu)
+    try:
+        drive = Drive(fmu, folder)
+        yield drive
+        drive.slave.freeInstance()
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def states(fmu):
+    """The position after a step: once, again from the state before it, and again from that state as bytes."""
+    with drive(fmu) as instance:
+        slave = instance.slave
 
         def step():
             slave.doStep(0.1, 0.05)
-            print(repr(slave.getFloat64([reference["position"]])[0]))
+            print(instance.position())
 
-        begin()
+        instance.begin()
         slave.doStep(0.0, 0.1)
         state = slave.getFMUState()
         written = slave.serializeFMUState(state)
@@ -80,19 +122,33 @@ def states(fmu):
         slave.freeFMUState(state)
         step()
         slave.reset()
-        begin()
+        instance.begin()
         state = slave.deserializeFMUState(written)
         slave.setFMUState(state)
         slave.freeFMUState(state)
         step()
-        try:
-            slave.doStep(0.15, 0.0015)
-        except Exception:
-            print(told[-1])
         slave.terminate()
-        slave.freeInstance()
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
-{"validate": validate, "simulate": simulate, "states": states}[sys.argv[1]](*sys.argv[2:])
+def refusals(fmu, other):
+    """What the log says of a step, of start values and of the state of another drive that are refused."""
+    with drive(other) as foreign:
+        foreign.begin()
+        state = foreign.slave.getFMUState()
+        written = foreign.slave.serializeFMUState(state)
+        foreign.slave.freeFMUState(state)
+    with drive(fmu) as instance:
+        start = [instance.reference["position_start"]]
+        for beyond in [-0.001, 0.301]:
+            print(instance.refused(lambda: instance.set(start, [beyond])))
+        instance.set(start, [0.3])
+        instance.begin()
+        print(instance.refused(lambda: instance.set(start, [0.1])))
+        print(instance.refused(lambda: instance.slave.doStep(0.0, 0.0015)))
+        print(instance.refused(lambda: instance.slave.deserializeFMUState(written)))
+        print(instance.position())
+        instance.slave.terminate()
+
+
+COMMANDS = {"validate": validate, "simulate": simulate, "states": states, "refusals": refusals}
+COMMANDS[sys.argv[1]](*sys.argv[2:])

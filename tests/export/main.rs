@@ -22,6 +22,12 @@ fn leaking_press() -> String {
 const PUMP: &str = "name = \"pump \\\"ü\\\" ??/\"\n[pump]\ndisplacement_m3_per_rev = 1.6e-6\n\
     [cylinder]\narea_a_m2 = 3.117e-3\narea_b_m2 = 1.861e-3\n";
 
+/// A mass that a force moves.
+const MASS: &str = "name = \"mass\"\n[cylinder]\nmoving_mass_kg = 40.0\nviscous_friction_n_s_per_m = 2000.0\n";
+
+/// The versions of the standard for FMUs.
+const VERSIONS: [&str; 2] = ["2.0", "3.0"];
+
 /// Runs the program in this process; an error is returned as its text on standard error.
 fn run(arguments: &[&str]) -> Result<Outcome, String> {
     let cli = Cli::try_parse_from(["host-sim"].iter().chain(arguments)).unwrap();
@@ -40,4 +46,14 @@ fn text(path: &Path) -> &str {
 fn library() -> PathBuf {
     let name = format!("{}drive_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     std::env::current_exe().unwrap().with_file_name(name)
+}
+
+/// An FMU of this drive in a folder.
+fn exported(folder: &Path, name: &str, drive: &str, further: &[&str]) -> PathBuf {
+    let [machine, fmu] = ["toml", "fmu"].map(|ending| folder.join(format!("{name}.{ending}")));
+    std::fs::write(&machine, drive).unwrap();
+    let library = library();
+    let always = ["export", "--machine", text(&machine), "--out", text(&fmu), "--library", text(&library)];
+    done(&[&always, further].concat());
+    fmu
 }

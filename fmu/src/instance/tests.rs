@@ -33,7 +33,7 @@ fn set(instance: &mut Instance, variable: Variable, value: f64) -> Result<(), Re
 
 fn begun(machine: &str) -> Instance {
     let mut instance = instance(machine);
-    instance.enter_initialization(0.0).unwrap();
+    instance.enter_initialization().unwrap();
     instance.exit_initialization().unwrap();
     instance
 }
@@ -43,7 +43,10 @@ fn the_start_follows_what_is_set_before_it() {
     let mut instance = instance(PRESS);
     assert_eq!(get(&mut instance, Variable::PositionAtStart), 0.15);
     set(&mut instance, Variable::PositionAtStart, 0.075).unwrap();
-    instance.enter_initialization(2.0).unwrap();
+    assert!(matches!(instance.start_at(f64::NAN), Err(Refusal::StartTime { .. })));
+    instance.start_at(2.0).unwrap();
+    instance.enter_initialization().unwrap();
+    assert!(matches!(instance.start_at(3.0), Err(Refusal::Mode { .. })));
     assert_eq!(get(&mut instance, Variable::Position), 0.075);
     assert_eq!(get(&mut instance, Variable::Time), 2.0);
     set(&mut instance, Variable::Command, 10.0).unwrap();
@@ -96,10 +99,10 @@ fn steps_that_the_ticks_do_not_fill_are_refused_with_both() {
 fn a_call_out_of_its_order_says_when_it_may_come() {
     let mut instance = instance(PRESS);
     let early = instance.step(0.0, 0.001).unwrap_err().to_string();
-    assert_eq!(early, "fmi3DoStep in mode Instantiated; expected it in mode Step");
+    assert_eq!(early, "called in mode Instantiated; expected it in mode Step");
     assert!(instance.exit_initialization().is_err() && instance.terminate().is_err());
-    instance.enter_initialization(0.0).unwrap();
-    assert!(instance.enter_initialization(0.0).is_err());
+    instance.enter_initialization().unwrap();
+    assert!(instance.enter_initialization().is_err());
     instance.exit_initialization().unwrap();
     instance.terminate().unwrap();
     assert!(instance.step(0.0, 0.001).is_err());

@@ -7,7 +7,7 @@ use clap::builder::PossibleValue;
 use machine_file::MachineFile;
 use model_core::machine::{MachineError, Tick};
 use model_core::number::{PerUnit, Single};
-use model_export::fmu::{self, Contents, Library, Settings};
+use model_export::fmu::{self, Contents, Library, Settings, Version};
 use model_export::rust::Constants;
 use serde_json::{Value, json};
 
@@ -29,13 +29,14 @@ use super::target::{
   host-sim export --machine M.toml --out params.h
   host-sim export --machine M.toml --bake --out drive.h
   host-sim export --machine M.toml --out drive.fmu
+  host-sim export --machine M.toml --fmi 2.0 --out drive.fmu
 
 Constants: name, source of oil, tick, length of the delay line, and SI values with the effects; in Rust every value that is not
 the default, in C99 every value that the drive uses. The firmware builds its fixed-point coefficients from them by the code that
 builds them here; a drive that they cannot hold is refused with the value that does not fit. With --bake the coefficients are in the
 Rust source too, as constants: the controller computes none, and its program holds only the effects that the drive has; in C99 it
 is the header of the static library that `cargo build --release -p drive-c` makes from that Rust source.
-FMU: the model for co-simulation by FMI 3.0, with the library that `cargo build --release -p drive-fmu` has put beside this program.")]
+FMU: the model for co-simulation by FMI 3.0 or 2.0, with the library that `cargo build --release -p drive-fmu` has put beside this program.")]
 pub struct Arguments {
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml")]
@@ -58,6 +59,9 @@ pub struct Arguments {
     /// Number type of an FMU; fixed is what the controller computes, and the default
     #[arg(long, value_enum)]
     arithmetic: Option<ArithmeticArgument>,
+    /// Version of the standard that an FMU follows; 3.0 is the default, 2.0 is for tools that do not read it
+    #[arg(long, value_enum, value_name = "version")]
+    fmi: Option<FmiArgument>,
     /// Shared library to put into an FMU, in place of the one beside this program
     #[arg(long, value_name = "library")]
     library: Option<PathBuf>,
@@ -74,6 +78,27 @@ pub enum NumberArgument {
     Fixed,
     /// Single precision, for a controller with an FPU
     F32,
+}
+
+/// The version of the standard that an FMU follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum FmiArgument {
+    /// FMI 2.0
+    #[value(name = "2.0", alias = "2")]
+    Two,
+    /// FMI 3.0
+    #[default]
+    #[value(name = "3.0", alias = "3")]
+    Three,
+}
+
+impl From<FmiArgument> for Version {
+    fn from(argument: FmiArgument) -> Self {
+        match argument {
+            FmiArgument::Two => Version::Two,
+            FmiArgument::Three => Version::Three,
+        }
+    }
 }
 
 /// What is written.
@@ -102,7 +127,11 @@ impl Format {
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
     let format = arguments.format.map_or_else(|| Format::of(&arguments.out), Ok)?;
     if format != Format::Fmu {
-        let given = [("--arithmetic", arguments.arithmetic.is_some()), ("--library", arguments.library.is_some())];
+        let given = [
+            ("--arithmetic", arguments.arithmetic.is_some()),
+            ("--fmi", arguments.fmi.is_some()),
+            ("--library", arguments.library.is_some()),
+        ];
         if let Some(&(argument, _)) = given.iter().find(|(_, given)| *given) {
             return Err(CliError::OnlyInFmu { argument });
         }
@@ -146,6 +175,7 @@ fn document_of(arguments: &Arguments, format: Format, file: &MachineFile) -> Val
     let name = |value: &dyn Fn() -> Option<PossibleValue>| value().map(|value| value.get_name().to_owned());
     let number = arguments.bake.then(|| arguments.number.unwrap_or_default());
     let arithmetic = (format == Format::Fmu).then(|| arguments.arithmetic.unwrap_or_default());
+    let fmi = (format == Format::Fmu).then(|| arguments.fmi.unwrap_or_default());
     json!({
         "schema": "host-sim/export/1",
         "machine": file.name,
@@ -155,6 +185,7 @@ fn document_of(arguments: &Arguments, format: Format, file: &MachineFile) -> Val
         "baked": arguments.bake,
         "number": name(&|| number?.to_possible_value()),
         "arithmetic": name(&|| arithmetic?.to_possible_value()),
+        "fmi": name(&|| fmi?.to_possible_value()),
     })
 }
 
@@ -190,5 +221,5 @@ fn packed(arguments: &Arguments, file: &MachineFile) -> Result<Vec<u8>, CliError
         let unread = |cause| CliError::Unread { path: PathBuf::from("this program"), cause };
         Library::beside(&std::env::current_exe().map_err(unread)?)?
     };
-    fmu::pack(&contents, &library).map_err(refused)
+    fmu::pack(&contents, arguments.fmi.unwrap_or_default().into(), &library).map_err(refused)
 }

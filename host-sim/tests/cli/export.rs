@@ -111,3 +111,22 @@ fn an_fmu_is_not_baked() {
     assert!(expected.iter().all(|part| message.contains(part)), "{message}");
     assert!(!folder.path().join("drive.fmu").exists());
 }
+
+#[test]
+fn an_fmu_follows_the_version_that_was_asked_for_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("library"), "fmi2Instantiate fmi3InstantiateCoSimulation").unwrap();
+    let machine = example("machine.toml");
+    let exported = |fmi: &[&str]| {
+        let export = ["export", "--machine", &machine, "--library", "library", "--out", "drive.fmu", "--json", "-"];
+        let printed = done(folder.path(), &[&export, fmi].concat());
+        let document: serde_json::Value = serde_json::from_str(&printed).unwrap();
+        (document["fmi"].as_str().unwrap().to_owned(), std::fs::read(folder.path().join("drive.fmu")).unwrap())
+    };
+    let [three, two] = [exported(&[]), exported(&["--fmi", "2.0"])];
+    assert_eq!((three.0.as_str(), two.0.as_str()), ("3.0", "2.0"));
+    assert!(three.1 != two.1);
+    assert!(exported(&["--fmi", "2"]) == two && exported(&["--fmi", "3"]) == three);
+    let message = refused(folder.path(), &["export", "--machine", &machine, "--fmi", "2.0", "--out", "params.rs"]);
+    assert!(message.contains("--fmi: only an FMU has it"), "{message}");
+}

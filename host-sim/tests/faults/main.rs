@@ -54,7 +54,7 @@ fn bench() -> TempDir {
         fs::copy(example(from), folder.path().join(name)).unwrap();
     }
     fs::write(folder.path().join("frames.bin"), streamed()).unwrap();
-    fs::write(folder.path().join("library.so"), "fmi3InstantiateCoSimulation").unwrap();
+    fs::write(folder.path().join("library.so"), "fmi2Instantiate fmi3InstantiateCoSimulation").unwrap();
     folder
 }
 

@@ -175,7 +175,7 @@ const LONG: [Writing; 2] = [
 
 /// Runs commands on files that have each of these names in every place where a name can stand.
 fn names_are_names(place: &Place, names: &[String], commands: &[Writing]) {
-    fs::write(place.inner().join("l.so"), "fmi3InstantiateCoSimulation").unwrap();
+    fs::write(place.inner().join("l.so"), "fmi2Instantiate fmi3InstantiateCoSimulation").unwrap();
     for name in names {
         // A header is part of a line.
         let header = name.replace(['\n', '\0'], " ");

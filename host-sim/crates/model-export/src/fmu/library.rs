@@ -4,10 +4,10 @@ use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-/// A function that every library of an FMU exports; its name identifies such a library.
-const A_FUNCTION: &[u8] = b"fmi3InstantiateCoSimulation";
+/// A function of each version of the standard that every library of an FMU exports; their names identify such a library.
+const FUNCTIONS: [&str; 2] = ["fmi2Instantiate", "fmi3InstantiateCoSimulation"];
 
-/// A shared library with the functions of FMI 3.0.
+/// A shared library with the functions of FMI 2.0 and 3.0.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Library {
     bytes: Vec<u8>,
@@ -37,12 +37,14 @@ pub enum LibraryError {
     },
     /// It is something else.
     #[error(
-        "{}: no function {}; expected the library that `cargo build --release -p drive-fmu` builds",
-        path.display(), String::from_utf8_lossy(A_FUNCTION)
+        "{}: no function {function}; expected the library that `cargo build --release -p drive-fmu` builds",
+        path.display()
     )]
     Other {
         /// The file.
         path: PathBuf,
+        /// What it lacks.
+        function: &'static str,
     },
 }
 
@@ -53,10 +55,10 @@ impl Library {
     /// The file cannot be read, or it is not such a library.
     pub fn read(path: &Path) -> Result<Self, LibraryError> {
         let bytes = fs::read(path).map_err(|cause| LibraryError::Unread { path: path.to_owned(), cause })?;
-        if bytes.windows(A_FUNCTION.len()).any(|window| window == A_FUNCTION) {
-            Ok(Self { bytes })
-        } else {
-            Err(LibraryError::Other { path: path.to_owned() })
+        let lacks = |function: &&&str| bytes.windows(function.len()).all(|window| window != function.as_bytes());
+        match FUNCTIONS.iter().find(lacks) {
+            Some(function) => Err(LibraryError::Other { path: path.to_owned(), function }),
+            None => Ok(Self { bytes }),
         }
     }
 
@@ -96,10 +98,14 @@ mod tests {
         let other = folder.path().join("other.so");
         fs::write(&other, b"\x7fELF").unwrap();
         let refused = Library::read(&other).unwrap_err().to_string();
-        assert!(refused.contains("other.so: no function fmi3InstantiateCoSimulation"), "{refused}");
+        assert!(refused.contains("other.so: no function fmi2Instantiate"), "{refused}");
+        // One of before FMI 2.0.
+        fs::write(&other, b"..fmi3InstantiateCoSimulation..").unwrap();
+        let refused = Library::read(&other).unwrap_err().to_string();
+        assert!(refused.contains("other.so: no function fmi2Instantiate"), "{refused}");
         let gone = Library::read(&folder.path().join("gone.so")).unwrap_err().to_string();
         assert!(gone.contains("gone.so: cannot be read"), "{gone}");
-        fs::write(&other, b"..fmi3InstantiateCoSimulation..").unwrap();
-        assert_eq!(Library::read(&other).unwrap().bytes().len(), 31);
+        fs::write(&other, b"fmi2Instantiate fmi3InstantiateCoSimulation").unwrap();
+        assert_eq!(Library::read(&other).unwrap().bytes().len(), 43);
     }
 }

@@ -1,7 +1,7 @@
-//! A drive as an FMU: a model that tools for co-simulation import, after the standard FMI 3.0.
+//! A drive as an FMU: a model that tools for co-simulation import, after the standard FMI, version 2.0 or 3.0.
 //!
 //! An FMU is an archive with a description of its variables, a shared library that computes them, and the files that the library
-//! reads. The library is the same for every drive and contains none: the drive is in a machine file in the archive.
+//! reads. The library is the same for every drive and both versions, and contains no drive: the drive is in a machine file in the archive.
 //! This module holds what both sides share: the variables and the archive's contents. The library is the crate `drive-fmu`.
 
 mod archive;
@@ -13,9 +13,9 @@ mod variable;
 
 use crc::{CRC_64_XZ, Crc};
 
-pub use archive::pack;
+pub use archive::{Version, pack};
 pub use contents::{Contents, ContentsError, FmuError, Settings};
-pub use description::{MODEL_IDENTIFIER, description};
+pub use description::MODEL_IDENTIFIER;
 pub use library::{Library, LibraryError};
 pub use variable::{Role, Variable};
 
