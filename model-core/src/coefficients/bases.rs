@@ -7,8 +7,12 @@ use crate::mechanics::GAMMA;
 use crate::number::{Field, Real};
 use crate::oil::THINNEST;
 
-/// Command at 1, V.
+/// Command at 1, V, of a valve that is opened by that order of size.
 pub(crate) const COMMAND_V: f64 = 10.0;
+/// The format ends at this many bases.
+const FORMAT_END: f64 = 8.0;
+/// The base is doubled up to this: no signal of a valve is larger than 80 A, counted in mA.
+const MOST_DOUBLED: f64 = 1024.0;
 /// Temperature at 1, °C: signals reach ±200 °C.
 pub(crate) const TEMPERATURE_C: f64 = 25.0;
 /// Pump speed at 1, revolutions per second.
@@ -67,11 +71,26 @@ fn bases_under_force(machine: &Machine<f64>, tick_s: f64) -> Bases {
         flow_m3_per_s: force_n / pressure_pa * velocity_m_per_s,
         force_n,
         stroke_m,
-        command_v: COMMAND_V,
+        command_v: command_v(machine),
         pump_speed_rev_per_s: PUMP_SPEED_REV_PER_S,
         temperature_c: TEMPERATURE_C,
         tick_s,
     }
+}
+
+/// Command at 1: [`COMMAND_V`]; its first double with which the format holds the command that opens the valve, as where it counts in mA; or its first
+/// half with which the spool travel per command of 1 fits, as where 1 V opens the valve.
+fn command_v(machine: &Machine<f64>) -> f64 {
+    let gain = machine.get(P::ValveGain).abs();
+    let mut command_v = COMMAND_V;
+    while gain * command_v > GAIN_AIM {
+        command_v *= 0.5;
+    }
+    let most_v = COMMAND_V * MOST_DOUBLED;
+    while gain * command_v * FORMAT_END < 1.0 && command_v < most_v {
+        command_v *= 2.0;
+    }
+    command_v
 }
 
 /// Scales in which all coefficients of a sensible drive fit.
@@ -105,7 +124,7 @@ pub(crate) fn bases(machine: &Machine<f64>, tick: Tick) -> Bases {
         flow_m3_per_s: area_a * velocity_m_per_s,
         force_n: area_a * pressure_pa,
         stroke_m: machine.get(P::Stroke),
-        command_v: COMMAND_V,
+        command_v: command_v(machine),
         pump_speed_rev_per_s: PUMP_SPEED_REV_PER_S,
         temperature_c: TEMPERATURE_C,
         tick_s,

@@ -14,7 +14,7 @@ mod valve_effects;
 
 use crate::chambers::Chambers;
 use crate::coefficients::bases::{
-    COMMAND_V, GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, least_drag, smaller_capacity,
+    GAIN_AIM, PUMP_SPEED_REV_PER_S, SPRUNG, bases, inertia, least_drag, smaller_capacity,
 };
 use crate::drive::{Drive, OilSource, StageWeights};
 use crate::flow::{Edges, Lines, Pump};
@@ -145,9 +145,9 @@ impl<R: Real> Builder<'_, R> {
         let lags = self.lags();
         Ok(Valve {
             gain: self.gain::<N>(
-                "spool travel per 10 V",
+                "spool travel per command of 1",
                 P::ValveGain,
-                self.get(P::ValveGain) * R::constant(COMMAND_V),
+                self.get(P::ValveGain) * R::constant(self.bases.command_v),
             )?,
             offset: self.signal("spool offset", P::ValveOffset, self.get(P::ValveOffset))?,
             step_limit: Self::limit(step_limit),

@@ -60,14 +60,14 @@ impl<N: Scalar<Real = f64>> Follower<N> {
         let half_of_difference = 0.5 * machine.get(P::DeadZoneDifference);
         // From the sensor's half step to velocity per unit: strokes to velocity bases.
         let loop_gain = |per_s: f64| per_s * bases.stroke_m / bases.velocity_m_per_s;
-        let command = |volts: f64| volts / COMMAND_V;
+        let command = |volts: f64| volts / bases.command_v;
         let middle = half_of_difference - machine.get(P::ValveOffset);
         Ok(Self {
             orifice: orifice(machine, &bases)?,
             overlap: overlap(machine.get(P::DeadZone), tuning.kept_overlap)?,
             middle: signal::<N>("middle of the overlap", half_of_difference)?,
             per_spool: gain::<N>("command per spool travel", command(1.0 / per_volt))?,
-            per_command: gain::<N>("spool travel per command", per_volt * COMMAND_V)?,
+            per_command: gain::<N>("spool travel per command", per_volt * bases.command_v)?,
             neutral: signal::<N>("neutral command", command(middle / per_volt))?,
             command_limit: signal::<N>("command limit", command(tuning.command_limit_v))?,
             slew: signal::<N>("slew a tick", command(tuning.slew_v_per_s * bases.tick_s))?,

@@ -317,7 +317,7 @@ pub struct Bases {
     pub force_n: f64,
     /// Position 1, m: the stroke.
     pub stroke_m: f64,
-    /// Command 1, V.
+    /// Command 1, V: 10 V; more or less where the format would not hold the command that opens the valve fully, as where it counts in mA.
     pub command_v: f64,
     /// Pump speed 1, revolutions per second.
     pub pump_speed_rev_per_s: f64,
