@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use machine_file::data_sheet::{Answers, Edges, Item, Need, derived, toml};
+use machine_file::data_sheet::{Answers, Edges, Item, Need, checked_toml, derived};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -47,9 +47,7 @@ pub(crate) fn machine_file(form: &Form) -> Result<String, Refused> {
         }
     }
     let edges = if form.over_both_edges { Edges::Both } else { Edges::Edge };
-    let text = toml(&form.name, &derived(&answers, edges)?);
-    machine_file::read_text("machine.toml", &text)?;
-    Ok(text)
+    Ok(checked_toml("machine.toml", &form.name, &derived(&answers, edges)?)?)
 }
 
 #[cfg(test)]

@@ -129,10 +129,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     }
     let made = data_sheet::derived(&answers, arguments.rated_drop_over.into())?;
     let name = arguments.name.clone().unwrap_or_else(|| stem(target));
-    let text = data_sheet::toml(&name, &made);
-    // A file that could not be read back is not written: a mass of 1e30 kg.
-    machine_file::read_text(&target.display().to_string(), &text)?;
-    write(target, text)?;
+    // A file that no command would take is not written.
+    write(target, data_sheet::checked_toml(&target.display().to_string(), &name, &made)?)?;
 
     tell(arguments.json.as_deref(), || document_of(&name, target, &made), console)?;
     console.print(target.display())?;

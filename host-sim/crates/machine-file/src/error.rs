@@ -2,6 +2,7 @@
 
 use std::{fmt, io};
 
+use model_core::machine::MachineError;
 use recording::files::atomic;
 use recording::files::source_error::{Explained, Place, after_number, quoted};
 use recording::linkage::LinkageError;
@@ -60,6 +61,8 @@ pub enum MachineFileError {
     TwoLinkages { place: Place, one: &'static str, other: &'static str },
     /// Sides or a table that make no linkage.
     Linkage { place: Place, cause: LinkageError },
+    /// A drive that is too fast, too slow or too uneven for the model's shortest step.
+    NotCarried { place: Place, cause: MachineError },
 }
 
 use MachineFileError as E;
@@ -91,7 +94,8 @@ impl Explained for MachineFileError {
             | E::EmptyHeader { place, .. }
             | E::NoSpan { place, .. }
             | E::TwoLinkages { place, .. }
-            | E::Linkage { place, .. } => place,
+            | E::Linkage { place, .. }
+            | E::NotCarried { place, .. } => place,
         }
     }
 
@@ -122,6 +126,9 @@ impl Explained for MachineFileError {
             E::EmptyHeader { signal, .. } => format!("{signal} is mapped to the empty text"),
             E::NoSpan { key, .. } => format!("`{key}` is 0"),
             E::TwoLinkages { one, other, .. } => format!("`linkage.{other}` beside `linkage.{one}`"),
+            E::NotCarried { cause, .. } => {
+                format!("a drive that the model's shortest step of 0.5 ms does not compute: {cause}")
+            }
             E::Linkage { cause, .. } => match cause {
                 LinkageError::NoTriangle { length_m, .. } => {
                     format!("the sides of [linkage] make no triangle with a cylinder of {} m", rounded(*length_m))
@@ -144,6 +151,9 @@ impl Explained for MachineFileError {
             E::Write { source, .. } => atomic::expected(source).into(),
             E::TooLarge { .. } => "a machine file, which is a page of text".into(),
             E::NotUtf8 { .. } => "text in UTF-8".into(),
+            E::Syntax { message, .. } if message.contains("duplicate key") => {
+                "each table and each key once: the lines of a second table [channels] belong below the first".into()
+            }
             E::Syntax { .. } => "tables such as [valve] with lines `key = value`".into(),
             E::UnknownTable { nearest, known, .. } | E::UnknownKey { nearest, known, .. } => {
                 let known = if known.is_empty() { "no keys".into() } else { known.join(", ") };
@@ -181,6 +191,7 @@ impl Explained for MachineFileError {
             E::EmptyHeader { .. } => "the header of a column, such as \"Kolbenweg [mm]\"".into(),
             E::NoSpan { .. } => "a number that is not 0: by how much the reading rises when the signal rises by one SI unit, or the flow at the full reading".into(),
             E::TwoLinkages { .. } => "one linkage: its sides, or a table of angles and positions".into(),
+            E::NotCarried { .. } => "numbers of one drive: check bore, stroke, mass and rated flow with their units, and give the hoses and the dead volume".into(),
             E::Linkage { cause, .. } => match cause {
                 LinkageError::NoTriangle { shortest_m, longest_m, .. } => {
                     let [shortest, longest] = [shortest_m, longest_m].map(|length| rounded(*length));
@@ -220,7 +231,8 @@ impl Explained for MachineFileError {
             | E::NoSource { .. }
             | E::WithoutSource { .. }
             | E::DirectionalValveWithoutPump { .. }
-            | E::Linkage { .. } => None,
+            | E::Linkage { .. }
+            | E::NotCarried { .. } => None,
         }
     }
 }

@@ -86,6 +86,12 @@ fn a_valve_drive_is_read_with_defaults() {
 }
 
 #[test]
+fn a_table_that_was_pasted_twice_says_where_its_lines_belong() {
+    let error = refused("supply", "[channels]\ntime = \"t\"\n[channels]", 8);
+    assert!(error.to_string().contains("belong below the first"), "{error}");
+}
+
+#[test]
 fn the_other_tables_are_read() {
     let more = "[load]\nsource = \"recorded-pressures\"\n[effects.coulomb-friction]\nforce_n = 900\n[effects]\npump-slip = {}\n\
         [channels]\nposition = \"Kolbenweg [mm]\"\n[fit.sigma]\n\"valve.time_constants_s[0]\" = 0.001\n";

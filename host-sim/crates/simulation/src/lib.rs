@@ -44,6 +44,6 @@ pub use start_in_motion::SpoolAtStart;
 pub use stepper::{Inputs, Kept, Live, OtherArithmetic};
 pub use stimulus::coarse::Coarser;
 pub use stimulus::{
-    InputPoint, RunningSum, Stimulus, first_input_point, is_driven_by_pressures, natural_tick, tick_for,
+    InputPoint, RunningSum, Stimulus, first_carried, first_input_point, is_driven_by_pressures, natural_tick, tick_for,
 };
 pub use whitening::Whitening;

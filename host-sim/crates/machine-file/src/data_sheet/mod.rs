@@ -26,4 +26,4 @@ mod tolerances;
 pub use derive::{Derived, Edges, Entry, Origin, SheetError, Sigma, derived};
 pub use item::{Answers, Item, Need, Question};
 pub use quantity::{Quantity, QuantityError};
-pub use text::toml;
+pub use text::{checked_toml, toml};

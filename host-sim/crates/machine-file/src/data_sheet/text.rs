@@ -2,12 +2,32 @@
 
 use std::fmt::Write;
 
-use recording::files::source_error::rounded;
+use model_core::drive::Drive;
+use model_core::machine::Tick;
+use model_core::number::PerUnit;
+use recording::files::source_error::{Place, rounded};
 
 use super::derive::{Derived, Origin};
+use crate::{MachineFileError, read_text};
 
 /// Comments begin in this column, unless the line before them is longer.
 const COMMENTS: usize = 47;
+
+/// Ticks of the delay line of a drive that is built to see whether its values fit.
+const DELAY_LINE: usize = 256;
+
+/// The text of a machine file that the program takes. `file` stands for it in messages, `name` is the drive's.
+///
+/// # Errors
+/// A value is impossible, as a mass of 1e30 kg, or the model's shortest step does not compute this drive.
+pub fn checked_toml(file: &str, name: &str, made: &Derived) -> Result<String, MachineFileError> {
+    let text = toml(name, made);
+    let machine = read_text(file, &text)?.machine;
+    match Drive::<PerUnit>::new::<DELAY_LINE>(&machine, Tick::HalfMillisecond) {
+        Ok(_) => Ok(text),
+        Err(cause) => Err(MachineFileError::NotCarried { place: Place::file(file), cause }),
+    }
+}
 
 /// The text of a machine file. `name` is the drive's.
 #[must_use]
@@ -44,8 +64,7 @@ pub fn toml(name: &str, made: &Derived) -> String {
         line(&mut text, &format!("\"{}\" = {}", tolerance.key, plain(value)), &tolerance.why);
     }
     text.push_str(
-        "\n# Where the columns of the recordings have other names: position = \"Kolbenweg [mm]\"; `host-sim inspect --help` has the names.\n\
-         [channels]\n",
+        "\n# Where the columns of the recordings have other names, paste the table [channels] that `host-sim inspect` guesses from them, and check it.\n",
     );
     text
 }

@@ -114,11 +114,18 @@ pub fn natural_tick(recording: &Recording) -> Tick {
     if recording.sample_interval_s() < 0.75e-3 { Tick::HalfMillisecond } else { Tick::OneMillisecond }
 }
 
-/// The tick that suits a recording of this machine: as [`natural_tick`], and 2 ms where the rows are sparse and the step computes the machine at that.
+/// The tick that suits a recording of this machine: as [`natural_tick`], 2 ms where the rows are sparse, and a shorter one where the step does not
+/// compute the machine at that.
 #[must_use]
 pub fn tick_for(recording: &Recording, machine: &Machine<f64>) -> Tick {
-    let is_carried = || Drive::<PerUnit>::new::<DELAY_LINE>(machine, Tick::TwoMilliseconds).is_ok();
-    if is_sparse(recording.time_s()) && is_carried() { Tick::TwoMilliseconds } else { natural_tick(recording) }
+    let natural = natural_tick(recording);
+    let sparse = is_sparse(recording.time_s()).then_some(Tick::TwoMilliseconds);
+    first_carried(machine, sparse.into_iter().chain([natural, Tick::HalfMillisecond])).unwrap_or(natural)
+}
+
+/// The first of these ticks at which the step computes the machine.
+pub fn first_carried(machine: &Machine<f64>, ticks: impl IntoIterator<Item = Tick>) -> Option<Tick> {
+    ticks.into_iter().find(|tick| Drive::<PerUnit>::new::<DELAY_LINE>(machine, *tick).is_ok())
 }
 
 impl Stimulus {
