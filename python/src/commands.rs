@@ -24,7 +24,7 @@ use crate::diagnose::{check_doubts, notes};
 use crate::error::{OrRaise, Refused};
 use crate::machine::Machine;
 use crate::page::{Of, Page};
-use crate::recording::{Recording, held};
+use crate::recording::{Recording, files, held};
 use crate::table::Table;
 use crate::unlocked::unlocked;
 
@@ -66,13 +66,16 @@ pub(crate) fn inspect(
     machine: Option<Py<Machine>>,
     threads: Option<usize>,
 ) -> PyResult<(String, String, Page)> {
-    let recordings = held(&recordings);
-    let file = machine.as_ref().map(|machine| &machine.get().file);
+    let (recordings, files) = (held(&recordings), files(&recordings));
+    let machine = machine.as_ref().map(Py::get);
+    let file = machine.map(|machine| &machine.file);
     unlocked(py, threads, || {
         let found: Vec<Inspection> = parallel::each(&recordings, |recording| Inspection::of(recording, file));
         let texts: Vec<String> = found.iter().map(|found| report::inspect::text(found, None)).collect();
         let document = report::inspect::document(&found).to_string();
-        let page = Page { of: Of::Inspection(file.map(|file| file.name.clone()), recordings.clone(), found) };
+        let of = recordings.iter().cloned().zip(files).collect();
+        let of = Of::Inspection(file.map(|file| file.name.clone()), of, found);
+        let page = Page { of, machine_file: machine.map(|machine| machine.path.clone()) };
         Ok((document, texts.join("\n"), page))
     })
 }
@@ -116,7 +119,8 @@ pub(crate) fn compare(
         }
         let notes = notes(&recordings.iter().collect::<Vec<_>>(), &file.machine);
         let document = json::comparison(file, &found).to_string();
-        let page = Page { of: Of::Comparison(file.clone(), recordings, found) };
+        let of = Of::Comparison(file.clone(), recordings, found);
+        let page = Page { of, machine_file: Some(machine.path.clone()) };
         Ok((document, notes, drawings, tables, page))
     })
 }
@@ -172,7 +176,7 @@ pub(crate) fn fit(
         let refit = refitting.search(&|_| stop::here()).map_err(failed)?;
         let table = terminal::parameters(&refit.estimates).to_string();
         let (document, after) = (json::refit(&refit).to_string(), machine.with(refit.file.clone()));
-        let page = Page { of: Of::Fit(refit, recordings) };
+        let page = Page { of: Of::Fit(refit, recordings), machine_file: Some(machine.path.clone()) };
         Ok((document, after, notes, table, page))
     })
 }
@@ -223,7 +227,7 @@ pub(crate) fn plan(
         let plan = planned(&asked, given, &stop::here).map_err(|cause| Refused::machine(&machine.path, cause))?;
         let text = report::plan::text(&file.name, &named, &plan, None);
         let test = &plan.excitation;
-        let excitation = Recording { held: Arc::new(Held::new(test.name, test.columns().collect())?) };
+        let excitation = Recording::from_memory(Held::new(test.name, test.columns().collect())?);
         let drawing = plot::grid(&report::plan::matrix(&plan.best));
         Ok((report::plan::document(&file.name, &named, &plan).to_string(), excitation, drawing, text))
     })

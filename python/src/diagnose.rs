@@ -1,5 +1,7 @@
 //! The command `diagnose`: what the model lacks.
 
+use std::sync::Arc;
+
 use ::recording::{PressureZero, Recording as Held};
 use diagnosis::agreement::{Doubt, doubts};
 use diagnosis::{Diagnosis, Options, base_parameters, diagnose_with, read_absolute};
@@ -8,12 +10,12 @@ use machine_file::MachineFile;
 use model_core::machine::Machine as Values;
 use pyo3::prelude::*;
 use report::evidence::Exhibits;
-use report::html::{self, About};
 use report::{json, terminal, wording};
 
 use crate::commands::{judged_of, tick};
 use crate::error::{OrRaise, Refused};
 use crate::machine::Machine;
+use crate::page::{Of, Page};
 use crate::recording::{Recording, held};
 use crate::table::Table;
 use crate::unlocked::unlocked;
@@ -22,8 +24,7 @@ use crate::unlocked::unlocked;
 #[pyclass(frozen, module = "host_sim._native", skip_from_py_object)]
 #[derive(Debug)]
 pub(crate) struct Diagnosed {
-    diagnosis: Diagnosis,
-    exhibits: Exhibits,
+    found: Arc<(Diagnosis, Exhibits)>,
     after: Machine,
     #[pyo3(get)]
     notes: Vec<String>,
@@ -107,7 +108,7 @@ pub(crate) fn diagnose(
             after.channels.pressure = PressureZero::Absolute;
         }
         let notes = notes(&all, &file.machine);
-        Ok(Diagnosed { diagnosis, exhibits, after: machine.with(after), notes })
+        Ok(Diagnosed { found: Arc::new((diagnosis, exhibits)), after: machine.with(after), notes })
     })
 }
 
@@ -115,17 +116,17 @@ pub(crate) fn diagnose(
 impl Diagnosed {
     /// What the command writes with `--json`.
     fn json(&self) -> String {
-        json::document(&self.diagnosis, &self.exhibits).to_string()
+        json::document(&self.found.0, &self.found.1).to_string()
     }
 
     /// What it prints.
     fn text(&self) -> String {
-        terminal::text(&self.diagnosis, &self.exhibits)
+        terminal::text(&self.found.0, &self.found.1)
     }
 
     /// What it writes with `--report`.
-    fn page(&self) -> String {
-        html::page(&self.diagnosis, &self.exhibits, &About::default())
+    fn page(&self) -> Page {
+        Page { of: Of::Diagnosis(Arc::clone(&self.found)), machine_file: Some(self.after.path.clone()) }
     }
 
     /// The machine with refitted parameters and the effects found.
@@ -135,12 +136,12 @@ impl Diagnosed {
 
     /// The names of the recordings, training first.
     fn recordings(&self) -> Vec<String> {
-        self.diagnosis.shown.iter().map(|shown| shown.prepared.name.clone()).collect()
+        self.found.0.shown.iter().map(|shown| shown.prepared.name.clone()).collect()
     }
 
     /// Every judged signal of a recording in SI units: recorded, and simulated before and after.
     fn trajectories(&self, index: usize) -> Option<Table> {
-        let shown = self.diagnosis.shown.get(index)?;
+        let shown = self.found.0.shown.get(index)?;
         let case = &shown.prepared;
         let numbers = |values: &[f64]| values.iter().copied().map(Some).collect::<Vec<_>>();
         let mut columns = vec![("time [s]".to_owned(), numbers(&case.time_s))];

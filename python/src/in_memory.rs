@@ -50,7 +50,7 @@ pub(crate) fn from_arrow(
     };
     let columns = schema.fields().iter().enumerate().map(column).collect();
     let held = ::recording::Recording::of_columns(name, columns, &channels).or_raise(py)?;
-    Ok(Recording { held: Arc::new(held) })
+    Ok(Recording::from_memory(held))
 }
 
 /// What the parts of a column hold, and its unit, where the type states one.
@@ -143,7 +143,7 @@ pub(crate) fn from_columns<'py>(
     };
     let columns = columns.into_iter().map(column).collect();
     let held = ::recording::Recording::of_columns(name, columns, &channels).or_raise(py)?;
-    Ok(Recording { held: Arc::new(held) })
+    Ok(Recording::from_memory(held))
 }
 
 /// The number of values of an array or a sequence, and what it holds.
