@@ -2,18 +2,19 @@
 
 use std::sync::Arc;
 
-use ::recording::{PressureZero, Recording as Held};
-use diagnosis::agreement::{Doubt, doubts};
-use diagnosis::{Diagnosis, Options, base_parameters, diagnose_with, read_absolute};
+use ::recording::Recording as Held;
+use diagnosis::agreement::Doubt;
+use diagnosis::{Diagnosis, Options, diagnose_with, settle_pressure_zero};
 use identification::stop;
 use machine_file::MachineFile;
 use model_core::machine::Machine as Values;
 use pyo3::prelude::*;
 use report::evidence::Exhibits;
+use report::refused::{self, Refused, check_distinct};
 use report::{json, terminal, wording};
 
 use crate::commands::{judged_of, tick};
-use crate::error::{OrRaise, Refused};
+use crate::error::{OrRaise, Raised};
 use crate::machine::Machine;
 use crate::page::{Of, Page};
 use crate::recording::{Recording, held};
@@ -42,27 +43,7 @@ pub(crate) fn check_doubts(
     recordings: &[&Held],
     as_recorded: bool,
 ) -> Result<Vec<Doubt>, Refused> {
-    let found = doubts(file, &base_parameters(file), recordings);
-    let found = found.map_err(|cause| Refused::machine(&machine.path, cause))?;
-    let certain: Vec<String> = found.iter().filter(|doubt| doubt.is_certain).map(wording::doubt).collect();
-    if certain.is_empty() || as_recorded {
-        return Ok(found);
-    }
-    let text = format!(
-        "the recordings do not fit {}: {}; expected recordings of this drive: mend the channel (a sensor's `zero` and `full` in [channels] turn \
-         and scale it) or the machine file, or give as_recorded=True",
-        machine.path,
-        certain.join("; ")
-    );
-    Err(Refused::of(text).in_file(&machine.path))
-}
-
-/// A recording cannot confirm effects that it was used to choose, and counts only once, even as a copy.
-fn check_distinct(training: &[Held], held_out: &[Held]) -> Result<(), Refused> {
-    let all: Vec<&Held> = training.iter().chain(held_out).collect();
-    let Some((first, second)) = Held::held_twice(&all) else { return Ok(()) };
-    let (first, second) = (all[first].path(), all[second].path());
-    Err(Refused::of(format_args!("{first} and {second} hold the same recording; expected each once")).in_file(second))
+    refused::checked_doubts((&machine.path, file), recordings, as_recorded, "give as_recorded=True")
 }
 
 /// Diagnoses a drive.
@@ -87,15 +68,13 @@ pub(crate) fn diagnose(
         return Err(Refused::argument("time_limit_s", text).raised(py));
     }
     unlocked(py, threads, || {
-        let file = &machine.file;
+        let mut file = machine.file.clone();
         let mut training = judged_of(&train, machine, &judge)?;
         let mut held_out = judged_of(&holdout, machine, &judge)?;
         check_distinct(&training, &held_out)?;
         let failed = |cause| Refused::diagnose(&machine.path, cause);
-        let absolute = read_absolute(file, &training, tick).map_err(failed)?;
-        if absolute {
-            training.iter_mut().chain(&mut held_out).for_each(Held::take_as_absolute);
-        }
+        settle_pressure_zero(&mut file, &mut training, &mut held_out, tick).map_err(failed)?;
+        let file = &file;
         let all: Vec<&Held> = training.iter().chain(&held_out).collect();
         let doubts = check_doubts(machine, file, &all, as_recorded)?;
         let options = Options { tick, asks_since, limit_s: Some(limit_s) };
@@ -103,12 +82,8 @@ pub(crate) fn diagnose(
         let diagnosis = Diagnosis { doubts, ..found };
         let exhibits = Exhibits::of(file, &training, &held_out, &diagnosis, true);
         let exhibits = exhibits.map_err(|cause| Refused::machine(&machine.path, cause))?;
-        let mut after = diagnosis.machine_file(file);
-        if absolute {
-            after.channels.pressure = PressureZero::Absolute;
-        }
-        let notes = notes(&all, &file.machine);
-        Ok(Diagnosed { found: Arc::new((diagnosis, exhibits)), after: machine.with(after), notes })
+        let (after, notes) = (machine.with(diagnosis.machine_file(file)), notes(&all, &file.machine));
+        Ok(Diagnosed { found: Arc::new((diagnosis, exhibits)), after, notes })
     })
 }
 

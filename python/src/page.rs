@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use ::recording::{Recording as Held, unknown_columns};
+use diagnosis::agreement::Doubt;
 use diagnosis::{Diagnosis, Refit};
 use experiment::inspect::Inspection;
 use identification::compare::Comparison;
@@ -17,10 +18,10 @@ use report::html::{self, About, Compared, Inspected};
 pub(crate) enum Of {
     /// Recordings with their files, and what was found in them; the drive's name where there is one.
     Inspection(Option<String>, Vec<(Arc<Held>, Option<PathBuf>)>, Vec<Inspection>),
-    /// A machine file on recordings.
-    Comparison(MachineFile, Vec<Held>, Vec<Comparison>),
-    /// A refit, and its recordings in its order.
-    Fit(Refit, Vec<Held>),
+    /// A machine file on recordings, and what is doubtful about them.
+    Comparison { file: MachineFile, recordings: Vec<Held>, found: Vec<Comparison>, doubts: Vec<Doubt> },
+    /// A refit, its recordings in its order, and what is doubtful about them.
+    Fit(Refit, Vec<Held>, Vec<Doubt>),
     /// A diagnosis with its evidence.
     Diagnosis(Arc<(Diagnosis, Exhibits)>),
 }
@@ -42,10 +43,13 @@ impl Page {
         let about = About { written, command, machine_files: self.machine_file.iter().cloned().collect() };
         match &self.of {
             Of::Inspection(machine, recordings, found) => inspection(machine.as_deref(), recordings, found, &about),
-            Of::Comparison(file, recordings, comparisons) => {
-                html::compare(&[Compared { label: &file.name, file, recordings, comparisons }], &about)
+            Of::Comparison { file, recordings, found, doubts } => {
+                let label = &file.name;
+                html::compare(&[Compared { label, file, recordings, comparisons: found, doubts }], &about)
             }
-            Of::Fit(refit, recordings) => html::fit(refit, &recordings.iter().collect::<Vec<_>>(), &about),
+            Of::Fit(refit, recordings, doubts) => {
+                html::fit(refit, &recordings.iter().collect::<Vec<_>>(), doubts, &about)
+            }
             Of::Diagnosis(found) => html::page(&found.0, &found.1, &about),
         }
     }

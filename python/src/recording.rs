@@ -7,8 +7,9 @@ use ::recording::files::folder;
 use ::recording::{ChannelMap, Signal};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use report::refused::Refused;
 
-use crate::error::{OrRaise, Refused};
+use crate::error::{OrRaise, Raised};
 use crate::machine::{Machine, maps_of};
 use crate::table::{Table, bytes_of};
 use crate::unlocked::unlocked;
