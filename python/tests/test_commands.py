@@ -82,6 +82,18 @@ def test_a_page_says_when_by_which_call_and_of_what_it_was_made_as_the_program_s
     assert re.search(r"<summary>20\d\d-\d\d-\d\d \d\d:\d\d [+-]\d\d:\d\d · host-sim", page)
 
 
+def test_what_is_certainly_wrong_with_a_recording_is_noted_and_stands_on_the_pages():
+    frame = host_sim.read(TRAIN[0]).to_pandas()
+    frame["position [m]"] *= -1
+    compared = host_sim.compare(MACHINE, frame)
+    wrong = "position seems to run the other way"
+    assert any(wrong in note and "mend this first" in note for note in compared.notes), compared.notes
+    assert f"Doubt: {wrong}" in compared.to_html()
+    with pytest.raises(host_sim.Error, match="or give as_recorded=True"):
+        host_sim.fit(MACHINE, frame)
+    assert f"Doubt: {wrong}" in host_sim.fit(MACHINE, frame, as_recorded=True).to_html()
+
+
 def test_fit_gives_the_program_s_json_and_machine_file(run, tmp_path):
     run("fit", "--machine", MACHINE, "--train", *TRAIN, "--save-machine", "f.toml", "--json", "f.json")
     found = host_sim.fit(MACHINE, TRAIN)
