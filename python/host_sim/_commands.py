@@ -13,6 +13,7 @@ from typing import Literal, Union
 
 from . import _native
 from ._machine import Machine
+from ._made import tells_its_making
 from ._recordings import Source, read, read_all
 from ._results import Comparison, Diagnosis, Fit, Inspection, Plan, Simulation
 
@@ -25,6 +26,7 @@ def _machine(machine: Drive) -> Machine:
     return machine if isinstance(machine, Machine) else Machine(machine)
 
 
+@tells_its_making
 def inspect(
     recordings: Recordings,
     machine: Drive | None = None,
@@ -71,6 +73,7 @@ def simulate(
     return Simulation(_native.simulate(drive._inner, given, input, arithmetic, tick_ms, threads))
 
 
+@tells_its_making
 def compare(
     machine: Drive,
     recordings: Recordings,
@@ -97,6 +100,7 @@ def compare(
     return Comparison(_native.compare(drive._inner, given, list(judge), arithmetic, tick_ms, threads))
 
 
+@tells_its_making
 def fit(
     machine: Drive,
     train: Recordings,
@@ -128,6 +132,7 @@ def fit(
     return Fit(_native.fit(drive._inner, given, held_out, list(judge), tick_ms, as_recorded, threads))
 
 
+@tells_its_making
 def diagnose(
     machine: Drive,
     train: Recordings = (),

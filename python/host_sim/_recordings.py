@@ -150,8 +150,11 @@ def _items(source: Any) -> list[tuple[Any, Any]]:
 
 
 def _plain(values: Any) -> Any:
-    """A pandas Series as the array that it holds; everything else as it is."""
-    return values.to_numpy() if hasattr(values, "to_numpy") else values
+    """A pandas Series as the array that it holds, times of a zone as those of UTC; everything else as it is."""
+    if not hasattr(values, "to_numpy"):
+        return values
+    has_zone = getattr(getattr(values, "dtype", None), "tz", None) is not None
+    return values.to_numpy(dtype=f"datetime64[{values.dtype.unit}]") if has_zone else values.to_numpy()
 
 
 def read_all(

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Optional
 
 from ._machine import Machine
+from ._made import Made
 from ._recordings import Recording
 from ._tables import Table
 
@@ -139,9 +140,13 @@ class _Result:
 class _Paged(_Result):
     """A result with the page that the program writes for it."""
 
+    _page: _native.Page
+    _made: Optional[Made] = None
+    """When and by which call it was made; what a command returns has it."""
+
     def to_html(self) -> str:
         """The report's page: self-contained, it loads nothing."""
-        raise NotImplementedError
+        return self._page.html(*(self._made or (None, None)))
 
     def save_report(self, path: str | os.PathLike[str]) -> None:
         """Writes the page: what the program writes with ``--report``."""
@@ -170,6 +175,7 @@ class Diagnosis(_Paged):
     def __init__(self, native: _native.Diagnosed) -> None:
         super().__init__(native.json())
         self._inner = native
+        self._page = native.page()
 
     @property
     def verdict(self) -> Verdict:
@@ -237,10 +243,6 @@ class Diagnosis(_Paged):
             raise KeyError(f"{recording!r} is no recording of this diagnosis; expected one of {names}, or its index")
         return Table(table)
 
-    def to_html(self) -> str:
-        """The report's page: self-contained, it loads nothing."""
-        return self._inner.page()
-
     def __str__(self) -> str:
         return self._inner.text()
 
@@ -293,10 +295,6 @@ class Comparison(_Paged):
         told = f"weakest: {weakest['section']}, {weakest['signal']} at {weakest['nrmse_percent']} %" if weakest else ""
         return f"Comparison({len(self._told['recordings'])} recordings; {told})"
 
-    def to_html(self) -> str:
-        """The report's page: self-contained, it loads nothing."""
-        return self._page.html()
-
 
 class Fit(_Paged):
     """A refit of the base parameters. In a notebook it is its page."""
@@ -328,10 +326,6 @@ class Fit(_Paged):
 
     def __repr__(self) -> str:
         return f"Fit({len(self.parameters)} parameters, converged={self.converged})"
-
-    def to_html(self) -> str:
-        """The report's page: self-contained, it loads nothing."""
-        return self._page.html()
 
 
 class Simulation:
@@ -396,10 +390,6 @@ class Inspection(_Paged):
 
     def __repr__(self) -> str:
         return f"Inspection({len(self.recordings)} recordings)"
-
-    def to_html(self) -> str:
-        """The report's page: self-contained, it loads nothing."""
-        return self._page.html()
 
 
 class Plan(_Result):

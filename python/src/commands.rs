@@ -3,28 +3,29 @@
 use std::sync::Arc;
 
 use ::recording::excitation::signals::Excitation;
-use ::recording::{PressureZero, Recording as Held, Signal};
-use diagnosis::{Refitting, base_parameters, read_absolute};
+use ::recording::{Recording as Held, Signal};
+use diagnosis::{Refitting, base_parameters, settle_pressure_zero};
 use experiment::at_hand::AtHand;
 use experiment::inspect::Inspection;
 use experiment::plan::{Planned, plan as planned};
 use experiment::sensor::Sensor;
 use identification::along;
 use identification::compare::judged::judged_by;
-use identification::compare::open_loop::put_sways;
-use identification::compare::{Comparison, compare_with_progress, judged};
+use identification::compare::open_loop::compare_each;
+use identification::compare::{Comparison, judged};
 use identification::{parallel, stop};
 use machine_file::MachineFile;
 use model_core::machine::Tick;
 use pyo3::prelude::*;
-use report::{json, plot, terminal};
+use report::refused::{Refused, check_held_out};
+use report::{json, plot, terminal, wording};
 use simulation::Arithmetic;
 
 use crate::diagnose::{check_doubts, notes};
-use crate::error::{OrRaise, Refused};
+use crate::error::OrRaise;
 use crate::machine::Machine;
 use crate::page::{Of, Page};
-use crate::recording::{Recording, held};
+use crate::recording::{Recording, files, held};
 use crate::table::Table;
 use crate::unlocked::unlocked;
 
@@ -66,13 +67,16 @@ pub(crate) fn inspect(
     machine: Option<Py<Machine>>,
     threads: Option<usize>,
 ) -> PyResult<(String, String, Page)> {
-    let recordings = held(&recordings);
-    let file = machine.as_ref().map(|machine| &machine.get().file);
+    let (recordings, files) = (held(&recordings), files(&recordings));
+    let machine = machine.as_ref().map(Py::get);
+    let file = machine.map(|machine| &machine.file);
     unlocked(py, threads, || {
         let found: Vec<Inspection> = parallel::each(&recordings, |recording| Inspection::of(recording, file));
         let texts: Vec<String> = found.iter().map(|found| report::inspect::text(found, None)).collect();
         let document = report::inspect::document(&found).to_string();
-        let page = Page { of: Of::Inspection(file.map(|file| file.name.clone()), recordings.clone(), found) };
+        let of = recordings.iter().cloned().zip(files).collect();
+        let of = Of::Inspection(file.map(|file| file.name.clone()), of, found);
+        let page = Page { of, machine_file: machine.map(|machine| machine.path.clone()) };
         Ok((document, texts.join("\n"), page))
     })
 }
@@ -97,12 +101,7 @@ pub(crate) fn compare(
         let recordings = judged_of(&recordings, machine, &judge)?;
         let file = &machine.file;
         let free = base_parameters(file);
-        let found = parallel::try_each(&recordings, |recording| {
-            let (values, load) = (&file.machine, file.load_source);
-            let mut found = compare_with_progress(values, load, recording, number, tick, &|_| stop::here())?;
-            put_sways(&mut found, values, load, recording, tick, &free)?;
-            Ok(found)
-        });
+        let found = compare_each(file, &free, &recordings, (number, tick), &|_| stop::here());
         let found: Vec<Comparison> = found.map_err(|cause| Refused::compare(&machine.path, cause))?;
         let (mut drawings, mut tables) = (Vec::new(), Vec::new());
         for (recording, comparison) in recordings.iter().zip(&found) {
@@ -114,20 +113,16 @@ pub(crate) fn compare(
             let (replaced, added) = along::columns(recording, &whole.trajectory);
             tables.push(Table::of(recording.written(&replaced, &added)?));
         }
-        let notes = notes(&recordings.iter().collect::<Vec<_>>(), &file.machine);
+        let all: Vec<&Held> = recordings.iter().collect();
+        // They are compared as they are all the same.
+        let doubts = check_doubts(machine, file, &all, true)?;
+        let mut notes = notes(&all, &file.machine);
+        notes.extend(doubts.iter().filter(|doubt| doubt.is_certain).map(wording::mend_first));
         let document = json::comparison(file, &found).to_string();
-        let page = Page { of: Of::Comparison(file.clone(), recordings, found) };
+        let of = Of::Comparison { file: file.clone(), recordings, found, doubts };
+        let page = Page { of, machine_file: Some(machine.path.clone()) };
         Ok((document, notes, drawings, tables, page))
     })
-}
-
-/// No recording that was held out may be one of those that are fitted to.
-fn check_held_out(training: &[Held], held_out: &[Held]) -> Result<(), Refused> {
-    let Some((first, second)) = Held::trained_on(training, held_out) else { return Ok(()) };
-    let (first, second) = (first.path(), second.path());
-    let text =
-        format!("{first} and {second} hold the same recording; expected held-out recordings that are not trained on");
-    Err(Refused::of(text).in_file(second))
 }
 
 /// What `fit` gives: JSON, the machine with the fitted values, notes, the command's table, and the page.
@@ -156,23 +151,20 @@ pub(crate) fn fit(
         let mut recordings = judged_of(&recordings, machine, &judge)?;
         let mut file: MachineFile = machine.file.clone();
         let failed = |cause| Refused::diagnose(&machine.path, cause);
-        let trained = training.len();
-        check_held_out(&recordings[..trained], &recordings[trained..])?;
-        if read_absolute(&file, &recordings[..trained], tick).map_err(failed)? {
-            recordings.iter_mut().for_each(Held::take_as_absolute);
-            file.channels.pressure = PressureZero::Absolute;
-        }
+        let (trained, held_out) = recordings.split_at_mut(training.len());
+        check_held_out(trained, held_out)?;
+        settle_pressure_zero(&mut file, trained, held_out, tick).map_err(failed)?;
         let all: Vec<&Held> = recordings.iter().collect();
         let mut notes = notes(&all, &file.machine);
         let doubts = check_doubts(machine, &file, &all, as_recorded)?;
-        notes.extend(doubts.iter().map(report::wording::doubt));
-        let (training, held_out) = recordings.split_at(trained);
+        notes.extend(doubts.iter().map(wording::doubt));
+        let (training, held_out) = recordings.split_at(training.len());
         let refitting = Refitting::of(&file, training, tick).map_err(failed)?;
         let refitting = refitting.with_held_out(held_out, tick).map_err(failed)?;
         let refit = refitting.search(&|_| stop::here()).map_err(failed)?;
         let table = terminal::parameters(&refit.estimates).to_string();
         let (document, after) = (json::refit(&refit).to_string(), machine.with(refit.file.clone()));
-        let page = Page { of: Of::Fit(refit, recordings) };
+        let page = Page { of: Of::Fit(refit, recordings, doubts), machine_file: Some(machine.path.clone()) };
         Ok((document, after, notes, table, page))
     })
 }
@@ -223,7 +215,7 @@ pub(crate) fn plan(
         let plan = planned(&asked, given, &stop::here).map_err(|cause| Refused::machine(&machine.path, cause))?;
         let text = report::plan::text(&file.name, &named, &plan, None);
         let test = &plan.excitation;
-        let excitation = Recording { held: Arc::new(Held::new(test.name, test.columns().collect())?) };
+        let excitation = Recording::from_memory(Held::new(test.name, test.columns().collect())?);
         let drawing = plot::grid(&report::plan::matrix(&plan.best));
         Ok((report::plan::document(&file.name, &named, &plan).to_string(), excitation, drawing, text))
     })

@@ -1,19 +1,22 @@
 //! The command `diagnose`: what the model lacks.
 
-use ::recording::{PressureZero, Recording as Held};
-use diagnosis::agreement::{Doubt, doubts};
-use diagnosis::{Diagnosis, Options, base_parameters, diagnose_with, read_absolute};
+use std::sync::Arc;
+
+use ::recording::Recording as Held;
+use diagnosis::agreement::Doubt;
+use diagnosis::{Diagnosis, Options, diagnose_with, settle_pressure_zero};
 use identification::stop;
 use machine_file::MachineFile;
 use model_core::machine::Machine as Values;
 use pyo3::prelude::*;
 use report::evidence::Exhibits;
-use report::html::{self, About};
+use report::refused::{self, Refused, check_distinct};
 use report::{json, terminal, wording};
 
 use crate::commands::{judged_of, tick};
-use crate::error::{OrRaise, Refused};
+use crate::error::{OrRaise, Raised};
 use crate::machine::Machine;
+use crate::page::{Of, Page};
 use crate::recording::{Recording, held};
 use crate::table::Table;
 use crate::unlocked::unlocked;
@@ -22,8 +25,7 @@ use crate::unlocked::unlocked;
 #[pyclass(frozen, module = "host_sim._native", skip_from_py_object)]
 #[derive(Debug)]
 pub(crate) struct Diagnosed {
-    diagnosis: Diagnosis,
-    exhibits: Exhibits,
+    found: Arc<(Diagnosis, Exhibits)>,
     after: Machine,
     #[pyo3(get)]
     notes: Vec<String>,
@@ -41,27 +43,7 @@ pub(crate) fn check_doubts(
     recordings: &[&Held],
     as_recorded: bool,
 ) -> Result<Vec<Doubt>, Refused> {
-    let found = doubts(file, &base_parameters(file), recordings);
-    let found = found.map_err(|cause| Refused::machine(&machine.path, cause))?;
-    let certain: Vec<String> = found.iter().filter(|doubt| doubt.is_certain).map(wording::doubt).collect();
-    if certain.is_empty() || as_recorded {
-        return Ok(found);
-    }
-    let text = format!(
-        "the recordings do not fit {}: {}; expected recordings of this drive: mend the channel (a sensor's `zero` and `full` in [channels] turn \
-         and scale it) or the machine file, or give as_recorded=True",
-        machine.path,
-        certain.join("; ")
-    );
-    Err(Refused::of(text).in_file(&machine.path))
-}
-
-/// A recording cannot confirm effects that it was used to choose, and counts only once, even as a copy.
-fn check_distinct(training: &[Held], held_out: &[Held]) -> Result<(), Refused> {
-    let all: Vec<&Held> = training.iter().chain(held_out).collect();
-    let Some((first, second)) = Held::held_twice(&all) else { return Ok(()) };
-    let (first, second) = (all[first].path(), all[second].path());
-    Err(Refused::of(format_args!("{first} and {second} hold the same recording; expected each once")).in_file(second))
+    refused::checked_doubts((&machine.path, file), recordings, as_recorded, "give as_recorded=True")
 }
 
 /// Diagnoses a drive.
@@ -86,15 +68,13 @@ pub(crate) fn diagnose(
         return Err(Refused::argument("time_limit_s", text).raised(py));
     }
     unlocked(py, threads, || {
-        let file = &machine.file;
+        let mut file = machine.file.clone();
         let mut training = judged_of(&train, machine, &judge)?;
         let mut held_out = judged_of(&holdout, machine, &judge)?;
         check_distinct(&training, &held_out)?;
         let failed = |cause| Refused::diagnose(&machine.path, cause);
-        let absolute = read_absolute(file, &training, tick).map_err(failed)?;
-        if absolute {
-            training.iter_mut().chain(&mut held_out).for_each(Held::take_as_absolute);
-        }
+        settle_pressure_zero(&mut file, &mut training, &mut held_out, tick).map_err(failed)?;
+        let file = &file;
         let all: Vec<&Held> = training.iter().chain(&held_out).collect();
         let doubts = check_doubts(machine, file, &all, as_recorded)?;
         let options = Options { tick, asks_since, limit_s: Some(limit_s) };
@@ -102,12 +82,8 @@ pub(crate) fn diagnose(
         let diagnosis = Diagnosis { doubts, ..found };
         let exhibits = Exhibits::of(file, &training, &held_out, &diagnosis, true);
         let exhibits = exhibits.map_err(|cause| Refused::machine(&machine.path, cause))?;
-        let mut after = diagnosis.machine_file(file);
-        if absolute {
-            after.channels.pressure = PressureZero::Absolute;
-        }
-        let notes = notes(&all, &file.machine);
-        Ok(Diagnosed { diagnosis, exhibits, after: machine.with(after), notes })
+        let (after, notes) = (machine.with(diagnosis.machine_file(file)), notes(&all, &file.machine));
+        Ok(Diagnosed { found: Arc::new((diagnosis, exhibits)), after, notes })
     })
 }
 
@@ -115,17 +91,17 @@ pub(crate) fn diagnose(
 impl Diagnosed {
     /// What the command writes with `--json`.
     fn json(&self) -> String {
-        json::document(&self.diagnosis, &self.exhibits).to_string()
+        json::document(&self.found.0, &self.found.1).to_string()
     }
 
     /// What it prints.
     fn text(&self) -> String {
-        terminal::text(&self.diagnosis, &self.exhibits)
+        terminal::text(&self.found.0, &self.found.1)
     }
 
     /// What it writes with `--report`.
-    fn page(&self) -> String {
-        html::page(&self.diagnosis, &self.exhibits, &About::default())
+    fn page(&self) -> Page {
+        Page { of: Of::Diagnosis(Arc::clone(&self.found)), machine_file: Some(self.after.path.clone()) }
     }
 
     /// The machine with refitted parameters and the effects found.
@@ -135,12 +111,12 @@ impl Diagnosed {
 
     /// The names of the recordings, training first.
     fn recordings(&self) -> Vec<String> {
-        self.diagnosis.shown.iter().map(|shown| shown.prepared.name.clone()).collect()
+        self.found.0.shown.iter().map(|shown| shown.prepared.name.clone()).collect()
     }
 
     /// Every judged signal of a recording in SI units: recorded, and simulated before and after.
     fn trajectories(&self, index: usize) -> Option<Table> {
-        let shown = self.diagnosis.shown.get(index)?;
+        let shown = self.found.0.shown.get(index)?;
         let case = &shown.prepared;
         let numbers = |values: &[f64]| values.iter().copied().map(Some).collect::<Vec<_>>();
         let mut columns = vec![("time [s]".to_owned(), numbers(&case.time_s))];

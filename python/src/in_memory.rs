@@ -1,4 +1,4 @@
-//! Recordings from memory: by Arrow's capsules, which copy nothing, and by the buffer protocol of `numpy`'s arrays.
+//! Recordings from memory: by Arrow's capsules, which copy nothing, and by the buffer protocol of `numpy`'s arrays, whose times are read as numbers.
 //!
 //! A recording owns its numbers, in SI units. So each known column is read once, in the memory of whoever holds it, and written once; columns that are not
 //! known are not read.
@@ -15,7 +15,7 @@ use arrow_array::types::{
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_pyarrow::{FromPyArrow, Table};
 use arrow_schema::{DataType, TimeUnit};
-use pyo3::buffer::{Element, PyUntypedBuffer};
+use pyo3::buffer::{Element, PyBuffer, PyUntypedBuffer};
 use pyo3::prelude::*;
 
 use crate::error::OrRaise;
@@ -50,7 +50,7 @@ pub(crate) fn from_arrow(
     };
     let columns = schema.fields().iter().enumerate().map(column).collect();
     let held = ::recording::Recording::of_columns(name, columns, &channels).or_raise(py)?;
-    Ok(Recording { held: Arc::new(held) })
+    Ok(Recording::from_memory(held))
 }
 
 /// What the parts of a column hold, and its unit, where the type states one.
@@ -108,12 +108,15 @@ fn stamps(parts: Vec<ArrayRef>, unit: TimeUnit) -> Held<'static> {
         TimeUnit::Microsecond => 1e-6,
         TimeUnit::Nanosecond => 1e-9,
     };
-    Held::Numbers(Box::new(move || {
-        let counts: Vec<Option<i64>> = parts.iter().flat_map(counts).collect();
-        let first = counts.iter().flatten().next().copied().unwrap_or(0);
-        let since = |count: Option<i64>| count.map_or(f64::NAN, |count| count.wrapping_sub(first) as f64 * unit_s);
-        counts.into_iter().map(since).collect()
-    }))
+    Held::Numbers(Box::new(move || since_first(parts.iter().flat_map(counts).collect(), unit_s)))
+}
+
+/// Counts of a unit of time, s, as s since the first one; NaN where there is none.
+fn since_first(counts: Vec<Option<i64>>, unit_s: f64) -> Vec<f64> {
+    let first = counts.iter().flatten().next().copied().unwrap_or(0);
+    // The difference of the integers is exact; the count since 1970 would be rounded.
+    let since = |count: Option<i64>| count.map_or(f64::NAN, |count| count.wrapping_sub(first) as f64 * unit_s);
+    counts.into_iter().map(since).collect()
 }
 
 /// The counts of a column of times, whatever its unit: 64-bit numbers by another name.
@@ -138,19 +141,78 @@ pub(crate) fn from_columns<'py>(
 ) -> PyResult<Recording> {
     let channels = channels(machine.as_ref().map(Py::get), &maps).or_raise(py)?;
     let column = |(name, unit, values): Given<'py>| {
+        if let Some((rows, held)) = of_numpy_times(&values) {
+            return ColumnInMemory { name, unit: unit.or_else(|| Some("s".to_owned())), rows, held };
+        }
         let (rows, held) = of_object(&values);
         ColumnInMemory { name, unit, rows, held }
     };
     let columns = columns.into_iter().map(column).collect();
     let held = ::recording::Recording::of_columns(name, columns, &channels).or_raise(py)?;
-    Ok(Recording { held: Arc::new(held) })
+    Ok(Recording::from_memory(held))
 }
+
+/// What `numpy` writes where a time is missing (`NaT`).
+const NOT_A_TIME: i64 = i64::MIN;
+
+/// The number of times or durations of an array of `numpy`, which has no buffer for them, and what they hold in s since the first one.
+fn of_numpy_times<'py>(values: &Bound<'py, PyAny>) -> Option<(usize, Held<'py>)> {
+    let dtype = values.getattr("dtype").ok()?;
+    let kind: String = dtype.getattr("kind").ok()?.extract().ok()?;
+    if !matches!(kind.as_str(), "M" | "m") {
+        return None;
+    }
+    let rows = values.len().ok()?;
+    if values.getattr("ndim").ok()?.extract::<usize>().ok()? != 1 {
+        return Some((rows, Held::Other(NOT_ONE_DIMENSIONAL)));
+    }
+    // `<M8[ns]`, `<M8[10ms]`.
+    let name: String = dtype.getattr("str").ok()?.extract().ok()?;
+    let unit = name.split_once('[').and_then(|(_, unit)| length_s(unit.strip_suffix(']')?));
+    let Some(unit_s) = unit else {
+        return Some((rows, Held::Other("times in months, years or no unit")));
+    };
+    let values = values.clone();
+    let read = move || {
+        let counts = values.call_method1("astype", ("int64",)).ok().and_then(|counts| whole_numbers(&counts));
+        let present = |count: i64| (count != NOT_A_TIME).then_some(count);
+        since_first(counts.unwrap_or_default().into_iter().map(present).collect(), unit_s)
+    };
+    Some((rows, Held::Numbers(Box::new(read))))
+}
+
+/// The length of one of `numpy`'s units of time, s; none for months and years, whose lengths differ.
+fn length_s(unit: &str) -> Option<f64> {
+    let at = unit.find(|letter: char| !letter.is_ascii_digit())?;
+    let (count, unit) = unit.split_at(at);
+    let one_s = match unit {
+        "W" => 604_800.0,
+        "D" => 86_400.0,
+        "h" => 3_600.0,
+        "m" => 60.0,
+        "s" => 1.0,
+        "ms" => 1e-3,
+        "us" => 1e-6,
+        "ns" => 1e-9,
+        "ps" => 1e-12,
+        "fs" => 1e-15,
+        "as" => 1e-18,
+        _ => return None,
+    };
+    if count.is_empty() { Some(one_s) } else { Some(count.parse::<f64>().ok()? * one_s) }
+}
+
+fn whole_numbers(values: &Bound<'_, PyAny>) -> Option<Vec<i64>> {
+    PyBuffer::<i64>::get(values).ok()?.to_vec(values.py()).ok()
+}
+
+const NOT_ONE_DIMENSIONAL: &str = "an array that is not one-dimensional";
 
 /// The number of values of an array or a sequence, and what it holds.
 fn of_object<'py>(values: &Bound<'py, PyAny>) -> (usize, Held<'py>) {
     if let Ok(buffer) = PyUntypedBuffer::get(values) {
         if buffer.dimensions() != 1 {
-            return (buffer.item_count(), Held::Other("an array that is not one-dimensional"));
+            return (buffer.item_count(), Held::Other(NOT_ONE_DIMENSIONAL));
         }
         let (rows, py) = (buffer.item_count(), values.py());
         let held = None
@@ -176,7 +238,7 @@ fn of_object<'py>(values: &Bound<'py, PyAny>) -> (usize, Held<'py>) {
 fn typed<'py, T: Element + 'py>(py: Python<'py>, buffer: &PyUntypedBuffer, number: fn(T) -> f64) -> Option<Held<'py>> {
     let obj = buffer.as_typed::<T>().ok().and_then(|_| buffer.obj(py).cloned())?;
     Some(Held::Numbers(Box::new(move || {
-        let Ok(buffer) = pyo3::buffer::PyBuffer::<T>::get(&obj) else { return Vec::new() };
+        let Ok(buffer) = PyBuffer::<T>::get(&obj) else { return Vec::new() };
         match buffer.as_slice(py) {
             Some(cells) => cells.iter().map(|cell| number(cell.get())).collect(),
             None => buffer.to_vec(py).unwrap_or_default().into_iter().map(number).collect(),

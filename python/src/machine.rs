@@ -6,8 +6,9 @@ use ::recording::ChannelMap;
 use machine_file::{MachineFile, keys};
 use model_core::machine::Parameter;
 use pyo3::prelude::*;
+use report::refused::Refused;
 
-use crate::error::{OrRaise, Refused};
+use crate::error::OrRaise;
 
 /// A drive: the parameters of a machine file, SI, by their keys (`valve.gain_per_v`).
 #[pyclass(frozen, module = "host_sim", skip_from_py_object)]

@@ -1,14 +1,15 @@
 //! A recording, from a file or from memory.
 
-use std::path::PathBuf;
+use std::path::{self, PathBuf};
 use std::sync::Arc;
 
 use ::recording::files::folder;
 use ::recording::{ChannelMap, Signal};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use report::refused::Refused;
 
-use crate::error::{OrRaise, Refused};
+use crate::error::{OrRaise, Raised};
 use crate::machine::{Machine, maps_of};
 use crate::table::{Table, bytes_of};
 use crate::unlocked::unlocked;
@@ -18,6 +19,15 @@ use crate::unlocked::unlocked;
 #[derive(Clone, Debug)]
 pub(crate) struct Recording {
     pub(crate) held: Arc<::recording::Recording>,
+    /// The file that it was read from, wherever the process is now. A recording from memory has none, whatever its name is.
+    pub(crate) file: Option<PathBuf>,
+}
+
+impl Recording {
+    /// A recording that no file holds.
+    pub(crate) fn from_memory(held: ::recording::Recording) -> Self {
+        Self { held: Arc::new(held), file: None }
+    }
 }
 
 /// Which columns hold which signals, by a machine file and by maps.
@@ -30,6 +40,11 @@ pub(crate) fn held(recordings: &[Py<Recording>]) -> Vec<Arc<::recording::Recordi
     recordings.iter().map(|recording| Arc::clone(&recording.get().held)).collect()
 }
 
+/// Their files, those of recordings from memory missing.
+pub(crate) fn files(recordings: &[Py<Recording>]) -> Vec<Option<PathBuf>> {
+    recordings.iter().map(|recording| recording.get().file.clone()).collect()
+}
+
 /// Reads a file.
 #[pyfunction]
 pub(crate) fn read(
@@ -40,7 +55,7 @@ pub(crate) fn read(
 ) -> PyResult<Recording> {
     let channels = channels(machine.as_ref().map(Py::get), &maps).or_raise(py)?;
     let held = unlocked(py, Some(1), || Ok(::recording::read(&path, &channels)?))?;
-    Ok(Recording { held: Arc::new(held) })
+    Ok(Recording { held: Arc::new(held), file: path::absolute(&path).ok() })
 }
 
 /// The recordings of a folder whose names begin with this prefix, each in one format.

@@ -10,12 +10,13 @@ use identification::{along, stop};
 use machine_file::LoadSource;
 use model_core::machine::{Source, Tick};
 use pyo3::prelude::*;
+use report::refused::Refused;
 use report::{plot, wording};
 use simulation::{StartOffset, Stimulus, first_input_point, tick_for};
 
 use crate::commands::{arithmetic, tick};
 use crate::diagnose::notes;
-use crate::error::{OrRaise, Refused};
+use crate::error::OrRaise;
 use crate::machine::Machine;
 use crate::recording::Recording;
 use crate::table::Table;

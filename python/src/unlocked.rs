@@ -8,8 +8,9 @@ use std::time::Duration;
 use identification::stop::{self, Request};
 use pyo3::prelude::*;
 use rayon::ThreadPoolBuilder;
+use report::refused::Refused;
 
-use crate::error::{OrRaise, Refused};
+use crate::error::{OrRaise, Raised};
 
 /// How often Python is asked for a signal: that costs microseconds, and nobody notices a tenth of a second.
 const ASKED_EVERY: Duration = Duration::from_millis(50);

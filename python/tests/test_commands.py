@@ -59,6 +59,41 @@ def test_a_page_is_the_program_s_and_is_saved_and_shown_in_a_notebook(run, tmp_p
         assert found._repr_html_().startswith("<iframe srcdoc=")
 
 
+def test_a_page_says_when_by_which_call_and_of_what_it_was_made_as_the_program_s_does(run, tmp_path, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1767225600")
+    run("inspect", TRAIN[0], "--machine", MACHINE, "--report", "i.html")
+    run("compare", TRAIN[0], "--machine", MACHINE, "--report", "c.html")
+    run("fit", TRAIN[0], "--machine", MACHINE, "--holdout", HOLDOUT[0], "--report", "f.html")
+    results = {
+        ("i.html", "inspect"): host_sim.inspect(TRAIN[0], MACHINE),
+        ("c.html", "compare"): host_sim.compare(MACHINE, TRAIN[0]),
+        ("f.html", "fit"): host_sim.fit(MACHINE, [TRAIN[0]], holdout=HOLDOUT[0]),
+    }
+    for (name, function), found in results.items():
+        page, program = found.to_html(), (tmp_path / name).read_text(encoding="utf-8")
+        assert "2026-01-01 00:00 +00:00" in page and str(MACHINE) in page
+        command = re.compile(r"<dt>Command</dt><dd><code>(.*?)</code></dd>")
+        assert command.sub("", page) == command.sub("", program)
+        (call,) = command.findall(page)
+        assert call.startswith(f"host_sim.{function}(") and str(TRAIN[0]) in call
+    monkeypatch.delenv("SOURCE_DATE_EPOCH")
+    page = host_sim.inspect({"time [s]": [0.0, 0.1, 0.2], "position [mm]": [1.0, 2.0, 3.0]}, threads=1).to_html()
+    assert "host_sim.inspect(&lt;dict&gt;, threads=1)" in page
+    assert re.search(r"<summary>20\d\d-\d\d-\d\d \d\d:\d\d [+-]\d\d:\d\d · host-sim", page)
+
+
+def test_what_is_certainly_wrong_with_a_recording_is_noted_and_stands_on_the_pages():
+    frame = host_sim.read(TRAIN[0]).to_pandas()
+    frame["position [m]"] *= -1
+    compared = host_sim.compare(MACHINE, frame)
+    wrong = "position seems to run the other way"
+    assert any(wrong in note and "mend this first" in note for note in compared.notes), compared.notes
+    assert f"Doubt: {wrong}" in compared.to_html()
+    with pytest.raises(host_sim.Error, match="or give as_recorded=True"):
+        host_sim.fit(MACHINE, frame)
+    assert f"Doubt: {wrong}" in host_sim.fit(MACHINE, frame, as_recorded=True).to_html()
+
+
 def test_fit_gives_the_program_s_json_and_machine_file(run, tmp_path):
     run("fit", "--machine", MACHINE, "--train", *TRAIN, "--save-machine", "f.toml", "--json", "f.json")
     found = host_sim.fit(MACHINE, TRAIN)
@@ -117,6 +152,7 @@ def test_diagnose_gives_the_program_s_json_machine_file_and_page(diagnosed, writ
     assert diagnosed.to_dict() == document(written / "d.json")
     assert diagnosed.machine.to_toml() == (written / "f.toml").read_text()
     assert without_its_making(diagnosed.to_html()) == without_its_making((written / "d.html").read_text())
+    assert f"host_sim.diagnose(&#39;{CASE}&#39;)" in diagnosed.to_html() or f"host_sim.diagnose('{CASE}')" in diagnosed.to_html()
 
 
 def test_a_diagnosis_is_typed(diagnosed):

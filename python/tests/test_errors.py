@@ -51,6 +51,12 @@ def test_what_is_no_column_of_numbers_says_so():
     assert "position [m]" in str(error) and error.key == "position [m]"
     error = refused(lambda: host_sim.read({"time [s]": [0.0, 1.0], "position [m]": numpy.zeros((2, 2))}))
     assert "not one-dimensional" in str(error)
+    for times, found in [
+        (numpy.zeros((2, 2), "M8[ns]"), "not one-dimensional"),
+        (numpy.array(["2026-01", "2026-02"], "M8[M]"), "months"),
+    ]:
+        error = refused(lambda times=times: host_sim.read({"time": times, "position [m]": [0.0, 1.0]}))
+        assert found in str(error) and error.key == "time", error
     error = refused(lambda: host_sim.read({"time [s]": [0.0, 1.0], "position": [0.0, 1.0]}))
     assert "has no unit" in str(error) and error.key == "position"
     with pytest.raises(TypeError, match="no recording"):

@@ -51,10 +51,6 @@ def test_every_source_gives_the_file_s_result(kind):
 
 
 def test_a_frame_of_pandas_without_pyarrow_is_read_by_its_arrays():
-    class WithoutPyarrow(pandas.DataFrame):
-        def __arrow_c_stream__(self, requested_schema=None):
-            raise ImportError("pyarrow")
-
     recording = host_sim.read(WithoutPyarrow(arrow().to_pandas()))
     assert (recording["pressure_a"] == host_sim.read(FILE)["pressure_a"]).all()
 
@@ -64,6 +60,26 @@ def test_a_frame_is_taken_wherever_a_recording_is():
     frame = polars.from_arrow(arrow())
     assert host_sim.simulate(machine, frame).to_dict() == host_sim.simulate(machine, FILE).to_dict()
     assert len(host_sim.inspect([frame, FILE]).recordings) == 2
+
+
+def test_a_recording_from_memory_looks_at_no_file_whatever_it_is_called(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("run.csv").write_text("time [s],position [mm],secret [A]\n0,1,4\n0.1,2,5\n0.2,3,6\n")
+    columns = {"time [s]": [0.0, 0.1, 0.2], "position [mm]": [1.0, 2.0, 3.0], "secret [A]": [7.0, 8.0, 9.0]}
+    file = host_sim.inspect("run.csv").to_html()
+    assert "no known signal: the model does not use it" in file
+    for source in (columns, polars.DataFrame(columns)):
+        memory = host_sim.inspect(host_sim.read(source, name="run.csv")).to_html()
+        assert "no known signal: the model does not use it" not in memory
+
+
+def test_the_page_of_a_file_is_the_same_from_another_folder(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("run.csv").write_text("time [s],position [mm],secret [A]\n0,1,4\n0.1,2,5\n0.2,3,6\n")
+    found = host_sim.inspect("run.csv")
+    here = found.to_html()
+    monkeypatch.chdir("/")
+    assert found.to_html() == here
 
 
 def test_units_stand_in_the_header_behind_the_name_or_beside_it():
@@ -92,6 +108,47 @@ def test_time_stamps_become_seconds_since_the_first():
     frame = pandas.DataFrame({"time": stamps, "position [m]": [0.0, 0.1, 0.2]})
     for source in (frame, polars.from_pandas(frame), pyarrow.Table.from_pandas(frame)):
         assert host_sim.read(source)["time"].tolist() == [0.0, 0.002, 0.004]
+
+
+class WithoutPyarrow(pandas.DataFrame):
+    """A frame of pandas where there is no pyarrow: its columns are NumPy's."""
+
+    def __arrow_c_stream__(self, requested_schema=None):
+        raise ImportError("pyarrow")
+
+
+@pytest.mark.parametrize(("unit", "unit_s"), [("s", 1), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("10ms", 0.01), ("m", 60)])
+def test_times_of_numpy_are_read_in_every_unit_as_those_of_a_frame(unit: str, unit_s: float):
+    counts, position = 1_700_000_000 + numpy.array([0, 2, 5]), numpy.array([0.0, 0.1, 0.2])
+    for kind in ("M8", "m8"):
+        times = counts.astype(f"{kind}[{unit}]")
+        recording = host_sim.read({"time": times, "position [m]": position})
+        assert recording["time"].tolist() == [0.0, 2 * unit_s, 5 * unit_s]
+        others = [times.astype(f">{kind}[{unit}]"), numpy.repeat(times, 2)[::2]]
+        sources = [{"time": other, "position [m]": position} for other in others]
+        if unit in ("s", "ms", "us", "ns"):
+            # pandas has no other units.
+            series = pandas.Series(times)
+            sources += [{"time": series, "position [m]": position}, pandas.DataFrame({"time": series, "position [m]": position})]
+        for source in sources:
+            assert (host_sim.read(source)["time"] == recording["time"]).all()
+
+
+def test_times_of_a_zone_are_read_without_pyarrow_too():
+    stamps = pandas.date_range("2026-03-29 00:59:59.999", periods=3, freq="1ms", tz="Europe/Berlin")
+    frame = pandas.DataFrame({"time": stamps, "position [m]": [0.0, 0.1, 0.2]})
+    for source in (frame, WithoutPyarrow(frame), {name: frame[name] for name in frame}):
+        assert host_sim.read(source)["time"].tolist() == [0.0, 0.001, 0.002]
+
+
+def test_a_missing_time_of_numpy_leaves_its_row_out_as_in_a_frame():
+    times = numpy.array(["NaT", "2026-01-01T00:00:00", "NaT", "2026-01-01T00:00:01", "2026-01-01T00:00:03"], "M8[ms]")
+    columns = {"time": times, "position [m]": numpy.arange(5.0)}
+    for source in (columns, pandas.DataFrame(columns)):
+        recording = host_sim.read(source)
+        assert recording["time"].tolist() == [0.0, 1.0, 3.0]
+        assert recording["position"].tolist() == [1.0, 3.0, 4.0]
+        assert "2 rows" in recording.notes[0] and "left out, the first in row 1" in recording.notes[0]
 
 
 def test_arrow_memory_is_handed_on_without_a_copy():

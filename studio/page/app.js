@@ -32,6 +32,7 @@ async function run(command) {
     return refuse(error.message);
   }
   const of = drive.name;
+  const made = inputsOf(command);
   running = true;
   showReady();
   const began = performance.now();
@@ -49,7 +50,7 @@ async function run(command) {
   try {
     const found = JSON.parse(await engine.call(command, [asked], progress));
     state.textContent = `${command}: done in ${seconds()} s`;
-    keep(command, { ...found, of });
+    keep(command, { ...found, of, made });
   } catch (error) {
     const wasStopped = error instanceof Stopped;
     state.textContent = wasStopped ? `${command}: stopped after ${seconds()} s` : `${command}: not done`;
@@ -65,6 +66,8 @@ async function run(command) {
 async function begin() {
   listenForFiles();
   listenForMachine();
+  listenForMapping();
+  listenForResults();
   listeners.push(showReady);
   byId('commands').onclick = ({ target }) => target.dataset.command && run(target.dataset.command);
   byId('stop').onclick = () => engine.stop();

@@ -1,32 +1,8 @@
-// The files that were dropped: recordings with their roles, and at most one machine file.
+// The files that are dropped: recordings with their roles, and at most one machine file.
 const ROLES = { train: 'train', holdout: 'hold out', unused: 'leave out' };
 
-const drive = { name: 'machine.toml', text: '' };
-/** Role, size and fault of each recording, by name. */
-const recordings = new Map();
-/** Columns mapped by hand before there is a machine file to write them to. */
-const maps = new Map();
-
-/** Called whenever files, roles or the machine have changed. */
-const listeners = [];
-const changed = () => listeners.forEach((listener) => listener());
-
-const named = (role) => [...recordings].filter(([, one]) => one.role === role).map(([name]) => name).sort();
-const mapped = () => [...maps].map(([signal, header]) => `${signal}=${header}`);
-
-/** Date, time and zone: 2026-05-06 07:08 +02:00. */
-function now() {
-  const two = (number) => String(Math.trunc(Math.abs(number))).padStart(2, '0');
-  const at = new Date(), ahead = -at.getTimezoneOffset();
-  const day = `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}`;
-  return `${day} ${two(at.getHours())}:${two(at.getMinutes())} ${ahead < 0 ? '-' : '+'}${two(ahead / 60)}:${two(ahead % 60)}`;
-}
-
-/** What every command is asked with. */
-function request(more = {}) {
-  const machine = drive.text.trim() ? { ...drive } : null;
-  return JSON.stringify({ machine, train: named('train'), holdout: named('holdout'), maps: mapped(), made: now(), ...more });
-}
+/** How many recordings were taken in: each has the number of its own, so that another file of the same name is another one. */
+let versions = 0;
 
 /** Takes files in; what cannot be read is said beside it. */
 async function take(files) {
@@ -50,7 +26,7 @@ async function take(files) {
         const bytes = new Uint8Array(await file.arrayBuffer());
         await engine.put(file.name, bytes);
         const role = /^holdout-/i.test(file.name) ? 'holdout' : 'train';
-        recordings.set(file.name, { size: file.size, role: recordings.get(file.name)?.role ?? role });
+        recordings.set(file.name, { size: file.size, role: recordings.get(file.name)?.role ?? role, version: ++versions });
       }
     } catch (error) {
       problems.push(`${file.name}: cannot be read: ${error.message}`);

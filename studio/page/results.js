@@ -1,4 +1,4 @@
-// The results of the commands, each under its name until it is run again.
+// The results of the commands, each under its name until it is run again, and marked where its inputs have changed since.
 const results = new Map();
 let shown;
 
@@ -12,13 +12,31 @@ function keep(command, found) {
 function show(command) {
   shown = command;
   const tab = (name) => {
-    const button = element('button', { type: 'button', role: 'tab', textContent: name, onclick: () => show(name) });
+    const button = element('button', { type: 'button', role: 'tab', onclick: () => show(name) });
+    button.dataset.result = name;
     button.setAttribute('aria-selected', String(name === shown));
     return button;
   };
   byId('tabs').replaceChildren(...[...results.keys()].map(tab));
   byId('result').replaceChildren(...view(command, results.get(command)));
   byId('results').hidden = false;
+  markOlder();
+}
+
+/** Marks the results that are older than the recordings, the mapping, the machine file or the options that they were made of. */
+function markOlder() {
+  const isOlder = (name) => results.get(name).made !== inputsOf(name);
+  byId('tabs').querySelectorAll('[data-result]').forEach((tab) => {
+    const name = tab.dataset.result;
+    tab.textContent = isOlder(name) ? `${name} (older)` : name;
+  });
+  byId('older').hidden = !results.has(shown) || !isOlder(shown);
+}
+
+function listenForResults() {
+  byId('as-recorded').onchange = markOlder;
+  byId('limit').oninput = markOlder;
+  listeners.push(markOlder);
 }
 
 function view(command, found) {

@@ -1,18 +1,17 @@
 //! The command `compare`.
 
 use diagnosis::base_parameters;
-use identification::compare::open_loop::put_sways;
-use identification::compare::{Comparison, compare_with_progress, rows_simulated};
-use identification::parallel;
+use identification::compare::open_loop::compare_each;
+use identification::compare::{Comparison, rows_simulated};
 use recording::Recording;
 use report::html::{self, Compared};
+use report::refused::Refused;
 use report::{json, wording};
 use simulation::Arithmetic;
 
 use crate::commands::Results;
 use crate::desk::{Desk, Drive, Request, checked_doubts, notes};
 use crate::progress::Progress;
-use crate::refused::Refused;
 
 pub(crate) fn compare(desk: &Desk, request: &Request, progress: &Progress<'_>) -> Result<Results, Refused> {
     let drive = request.drive()?;
@@ -23,12 +22,9 @@ pub(crate) fn compare(desk: &Desk, request: &Request, progress: &Progress<'_>) -
     let mut notes = notes(&all, &drive.file.machine);
     // They are compared as they are all the same.
     let doubts = checked_doubts(&drive, &all, true)?;
-    let certain = doubts.iter().filter(|doubt| doubt.is_certain).map(wording::doubt);
-    notes.extend(
-        certain.map(|doubt| format!("{doubt}; mend this first: what follows is of the recordings as they are")),
-    );
-    let compared =
-        Compared { label: &drive.file.name, file: &drive.file, recordings: &recordings, comparisons: &found };
+    notes.extend(doubts.iter().filter(|doubt| doubt.is_certain).map(wording::mend_first));
+    let (file, label) = (&drive.file, drive.file.name.as_str());
+    let compared = Compared { label, file, recordings: &recordings, comparisons: &found, doubts: &doubts };
     Ok(Results {
         notes,
         json: format!("{:#}\n", json::comparison(&drive.file, &found)),
@@ -38,14 +34,10 @@ pub(crate) fn compare(desk: &Desk, request: &Request, progress: &Progress<'_>) -
 }
 
 fn compared(drive: &Drive, recordings: &[Recording], progress: &Progress<'_>) -> Result<Vec<Comparison>, Refused> {
-    let (values, load) = (&drive.file.machine, drive.file.load_source);
-    let of = recordings.iter().map(|one| rows_simulated(values.source, load, one) as u64).sum();
-    let free = base_parameters(&drive.file);
-    let found = parallel::try_each(recordings, |recording| {
-        let told = |rows| progress.add(rows as u64, of);
-        let mut found = compare_with_progress(values, load, recording, Arithmetic::default(), None, &told)?;
-        put_sways(&mut found, values, load, recording, None, &free)?;
-        Ok(found)
-    });
-    found.map_err(|cause| Refused::compare(&drive.name, cause))
+    let Drive { name, file } = drive;
+    let rows = |one| rows_simulated(file.machine.source, file.load_source, one) as u64;
+    let of = recordings.iter().map(rows).sum();
+    let told = |rows| progress.add(rows as u64, of);
+    let found = compare_each(file, &base_parameters(file), recordings, (Arithmetic::default(), None), &told);
+    found.map_err(|cause| Refused::compare(name, cause))
 }

@@ -2,16 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use diagnosis::agreement::{Doubt, doubts};
-use diagnosis::base_parameters;
+use diagnosis::agreement::Doubt;
 use machine_file::MachineFile;
 use model_core::machine::Machine;
 use recording::{ChannelMap, Recording, read_from};
 use report::html::About;
+use report::refused::{self, Refused};
 use report::wording;
 use serde::Deserialize;
-
-use crate::refused::Refused;
 
 /// The bytes of the recordings' files, by their names.
 #[derive(Debug, Default)]
@@ -38,6 +36,9 @@ pub(crate) struct Request {
     /// Columns mapped by hand: `position=Kolbenweg [mm]`.
     #[serde(default)]
     pub(crate) maps: Vec<String>,
+    /// Headers of columns that are not to be used.
+    #[serde(default)]
+    pub(crate) unused: Vec<String>,
     #[serde(default)]
     pub(crate) as_recorded: bool,
     pub(crate) limit_s: Option<f64>,
@@ -77,7 +78,9 @@ impl Request {
     /// Which columns hold which signals: what is mapped by hand takes precedence over the machine file.
     pub(crate) fn channels(&self, drive: Option<&Drive>) -> Result<ChannelMap, Refused> {
         let maps = ChannelMap::from_arguments(self.maps.iter().map(String::as_str))?;
-        Ok(drive.map(|drive| drive.file.channels.clone()).unwrap_or_default().overlaid_with(&maps))
+        let mut channels = drive.map(|drive| drive.file.channels.clone()).unwrap_or_default().overlaid_with(&maps);
+        self.unused.iter().for_each(|header| channels.leave_unused(header));
+        Ok(channels)
     }
 }
 
@@ -122,10 +125,5 @@ pub(crate) fn checked_doubts(
     recordings: &[&Recording],
     as_recorded: bool,
 ) -> Result<Vec<Doubt>, Refused> {
-    let found = doubts(&drive.file, &base_parameters(&drive.file), recordings);
-    let found = found.map_err(|cause| Refused::machine(&drive.name, cause))?;
-    if as_recorded || !found.iter().any(|doubt| doubt.is_certain) {
-        return Ok(found);
-    }
-    Err(Refused::disagrees(&drive.name, found.iter().filter(|doubt| doubt.is_certain)))
+    refused::checked_doubts((&drive.name, &drive.file), recordings, as_recorded, "take the recordings as they are")
 }

@@ -1,26 +1,24 @@
 //! The command `diagnose`.
 
-use diagnosis::{Diagnosis, Options, diagnose_with, read_absolute, steps};
-use recording::{PressureZero, Recording};
+use diagnosis::{Diagnosis, Options, diagnose_with, settle_pressure_zero, steps};
+use recording::Recording;
 use report::evidence::Exhibits;
+use report::refused::{Refused, check_distinct};
 use report::{html, json, terminal};
 
 use crate::commands::Results;
 use crate::desk::{Desk, Request, checked_doubts, notes};
 use crate::progress::Progress;
-use crate::refused::Refused;
 
 pub(crate) fn diagnose(desk: &Desk, request: &Request, progress: &Progress<'_>) -> Result<Results, Refused> {
-    let drive = request.drive()?;
+    let mut drive = request.drive()?;
     let channels = request.channels(Some(&drive))?;
     let mut training = desk.recordings(&request.train, &channels)?;
     let mut held_out = desk.any_recordings(&request.holdout, &channels)?;
     check_distinct(&training, &held_out)?;
-    let failed = |cause| Refused::diagnose(&drive.name, cause);
-    let absolute = read_absolute(&drive.file, &training, None).map_err(failed)?;
-    if absolute {
-        training.iter_mut().chain(&mut held_out).for_each(Recording::take_as_absolute);
-    }
+    let name = drive.name.clone();
+    let failed = |cause| Refused::diagnose(&name, cause);
+    settle_pressure_zero(&mut drive.file, &mut training, &mut held_out, None).map_err(failed)?;
     let all: Vec<&Recording> = training.iter().chain(&held_out).collect();
     let doubts = checked_doubts(&drive, &all, request.as_recorded)?;
     let limit_s = request.limit_s.unwrap_or(Options::USUAL_LIMIT_S);
@@ -33,23 +31,11 @@ pub(crate) fn diagnose(desk: &Desk, request: &Request, progress: &Progress<'_>) 
     let diagnosis = Diagnosis { doubts, ..found };
     let exhibits = Exhibits::of(file, &training, &held_out, &diagnosis, true);
     let exhibits = exhibits.map_err(|cause| Refused::machine(&drive.name, cause))?;
-    let mut after = diagnosis.machine_file(file);
-    if absolute {
-        after.channels.pressure = PressureZero::Absolute;
-    }
     Ok(Results {
         text: terminal::text(&diagnosis, &exhibits),
         notes: notes(&all, &file.machine),
         json: format!("{:#}\n", json::document(&diagnosis, &exhibits)),
-        machine: Some(after.to_text(&drive.name)?),
+        machine: Some(diagnosis.machine_file(file).to_text(&drive.name)?),
         page: Some(html::page(&diagnosis, &exhibits, &request.about())),
     })
-}
-
-/// A recording cannot confirm effects that it was used to choose, and counts only once, even as a copy.
-fn check_distinct(training: &[Recording], held_out: &[Recording]) -> Result<(), Refused> {
-    let all: Vec<&Recording> = training.iter().chain(held_out).collect();
-    let Some((first, second)) = Recording::held_twice(&all) else { return Ok(()) };
-    let (first, second) = (all[first].name(), all[second].name());
-    Err(Refused::of(format_args!("{first} and {second} hold the same recording; expected each once")))
 }

@@ -3,10 +3,10 @@
 use experiment::inspect::Inspection;
 use recording::{Recording, UnknownColumn, survey_from, unknown_among};
 use report::html::{self, Inspected};
+use report::refused::Refused;
 
 use crate::commands::Results;
 use crate::desk::{Desk, Request};
-use crate::refused::Refused;
 
 pub(crate) fn inspect(desk: &Desk, request: &Request) -> Result<Results, Refused> {
     let drive = request.machine()?;

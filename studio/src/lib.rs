@@ -12,7 +12,6 @@ mod fit;
 mod inspect;
 mod mapping;
 mod progress;
-mod refused;
 mod sheet;
 
 use js_sys::Function;

@@ -1,10 +1,10 @@
 //! Columns of files, and which signals they hold, mapped by hand.
 
 use recording::{ChannelMap, Signal, guess, survey_from};
+use report::refused::Refused;
 use serde_json::{Value, json};
 
 use crate::desk::{Desk, Request};
-use crate::refused::Refused;
 
 /// The columns of each recording, with the signal that is mapped, known by its name or guessed.
 pub(crate) fn columns(desk: &Desk, request: &Request) -> Result<Value, Refused> {
@@ -21,10 +21,11 @@ pub(crate) fn columns(desk: &Desk, request: &Request) -> Result<Value, Refused> 
         };
         let column = |column: &recording::Surveyed| {
             let header = column.header();
+            let is_unused = channels.unused().iter().any(|known| *known == header || *known == column.name);
             let guessed = guesses.iter().find(|guess| guess.header == header);
             json!({
                 "header": header, "read_as": taken(&column.name).or_else(|| taken(&header)),
-                "guess": guessed.map(|guess| guess.signal.name()), "why": guessed.map(|guess| guess.why),
+                "unused": is_unused, "guess": guessed.map(|guess| guess.signal.name()), "why": guessed.map(|guess| guess.why),
             })
         };
         let told: Vec<Value> = columns.iter().map(column).collect();
@@ -47,6 +48,7 @@ pub(crate) fn written(request: &Request) -> Result<String, Refused> {
         let scale = known.and_then(|known| known.scale);
         drive.file.channels.insert(signal, recording::Mapping { scale, required: false, ..mapping.clone() });
     }
+    request.unused.iter().for_each(|header| drive.file.channels.leave_unused(header));
     Ok(drive.file.to_text(&drive.name)?)
 }
 
@@ -81,6 +83,47 @@ mod tests {
         let told = columns(&desk(), &request(r#"["time=Zeit [s]", "position=Kolbenweg [mm]"]"#)).unwrap();
         let told = &told["files"][0]["columns"];
         assert_eq!((&told[1]["read_as"], &told[2]["read_as"]), (&json!("position"), &json!("command")), "{told}");
+    }
+
+    #[test]
+    fn a_column_that_was_mapped_is_left_unused_and_may_be_mapped_again() {
+        let read = |text: &str| {
+            let file = machine_file::read_text("machine.toml", text).unwrap();
+            recording::read_from("run.csv", desk().bytes("run.csv").unwrap(), &file.channels)
+        };
+        let of = |text: &str, maps: &[&str], unused: &[&str]| {
+            let machine = json!({ "name": "machine.toml", "text": text });
+            let asked = json!({ "machine": machine, "train": ["run.csv"], "maps": maps, "unused": unused });
+            serde_json::from_value::<Request>(asked).unwrap()
+        };
+        let mapped = written(&of(MACHINE, &["time=Zeit [s]", "position=Kolbenweg [mm]"], &[])).unwrap();
+        assert!(read(&mapped).unwrap().has(Signal::Position));
+        let without = written(&of(&mapped, &[], &["Kolbenweg [mm]", "command [V]"])).unwrap();
+        assert!(!without.contains("position =") && without.contains("unused = ["), "{without}");
+        let told = columns(&desk(), &of(&without, &[], &[])).unwrap();
+        let of_column = |header: &str| {
+            let told = told["files"][0]["columns"].as_array().unwrap();
+            told.iter().find(|column| column["header"] == header).unwrap().clone()
+        };
+        for header in ["Kolbenweg [mm]", "command [V]"] {
+            assert_eq!(
+                (&of_column(header)["read_as"], &of_column(header)["unused"]),
+                (&Value::Null, &json!(true)),
+                "{told}"
+            );
+        }
+        assert_eq!(of_column("x")["unused"], false);
+        let again = written(&of(&without, &["position=Kolbenweg [mm]", "command=command [V]"], &[])).unwrap();
+        let again = read(&again).unwrap();
+        assert!(again.has(Signal::Position) && again.has(Signal::Command));
+        let before_there_is_a_machine = columns(
+            &desk(),
+            &serde_json::from_value(json!({ "machine": null, "train": ["run.csv"],
+            "maps": ["time=Zeit [s]"], "unused": ["command [V]"] }))
+            .unwrap(),
+        )
+        .unwrap();
+        assert_eq!(before_there_is_a_machine["files"][0]["columns"][2]["unused"], true);
     }
 
     #[test]

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use machine_file::data_sheet::{Answers, Edges, Item, Need, checked_toml, derived};
+use report::refused::Refused;
 use serde::Deserialize;
 use serde_json::{Value, json};
-
-use crate::refused::Refused;
 
 /// A filled form: texts with units, by the names of their items.
 #[derive(Debug, Deserialize)]

@@ -287,6 +287,39 @@ fn a_drive_from_its_data_sheet_and_columns_mapped_by_hand_make_a_comparison() {
 }
 
 #[test]
+fn a_column_can_be_unmapped_and_a_result_that_is_older_than_its_inputs_says_so() {
+    let Some(mut opened) = opened() else { return };
+    opened.drop_case(&example());
+    let is_older = |opened: &mut Opened| opened.browser.value("!document.getElementById('older').hidden") == true;
+    let signals = |opened: &mut Opened| {
+        let document: serde_json::Value = serde_json::from_str(&opened.save("Save JSON", "inspect.json")).unwrap();
+        document["recordings"][0]["channels"].to_string()
+    };
+    assert!(opened.run("inspect").starts_with("inspect: done"));
+    assert!(!is_older(&mut opened) && signals(&mut opened).contains("\"pressure_a\""));
+    opened.browser.value("document.getElementById('mapping').open = true");
+    let choice =
+        "[...document.querySelectorAll('#columns select')].find(one => one.dataset.header.startsWith('pressure_a'))";
+    opened.browser.until(&format!("{choice}?.value === 'pressure_a'"));
+    opened.browser.value(&format!("{choice}.value = ''"));
+    opened.click_on("#write-map");
+    opened.browser.until("document.getElementById('machine').value.includes('unused = [\"pressure_a')");
+    opened.browser.until(&format!("{choice}?.value === ''"));
+    assert!(is_older(&mut opened), "the mapping has changed");
+    assert_eq!(opened.text_of("#tabs button"), "inspect (older)");
+    assert!(opened.run("inspect").starts_with("inspect: done"));
+    assert!(!is_older(&mut opened) && !signals(&mut opened).contains("\"pressure_a\""));
+    opened.browser.value("{ const limit = document.getElementById('limit'); limit.value = '10'; limit.dispatchEvent(new Event('input')); }");
+    assert!(!is_older(&mut opened), "no inspection depends on it");
+    opened.click_on("#list button");
+    assert!(is_older(&mut opened), "a recording is gone");
+    assert!(opened.run("compare").starts_with("compare: done"));
+    assert!(!is_older(&mut opened));
+    opened.browser.value("{ const text = document.getElementById('machine'); text.value += '\\n# seen'; text.dispatchEvent(new Event('change')); }");
+    opened.browser.until("!document.getElementById('older').hidden");
+}
+
+#[test]
 fn on_a_phone_nothing_is_wider_than_the_screen() {
     let Some(mut opened) = opened() else { return };
     opened.browser.resize(375, 812, true);

@@ -10,6 +10,7 @@
 mod agreement;
 mod axis;
 mod balance;
+mod data_sheets;
 mod derivatives;
 mod effects;
 mod extremes;

@@ -4,19 +4,19 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use comfy_table::{Attribute, Cell, CellAlignment, Table};
-use identification::parallel;
 
+use diagnosis::agreement::Doubt;
 use diagnosis::base_parameters;
-use identification::compare::open_loop::put_sways;
+use identification::compare::open_loop::compare_each;
 use identification::compare::weakest::weakest;
-use identification::compare::{Comparison, compare_with_progress, judged, mean_fits, rows_simulated};
+use identification::compare::{Comparison, judged, mean_fits, rows_simulated};
 use machine_file::MachineFile;
 use recording::display_unit::{TABLE, arrange, difference, percent};
 use recording::files::source_error::printable;
 use recording::{Recording, Signal};
 use report::html::{self, Compared};
 use report::plot;
-use report::wording::{range_end, sentences, unsettled};
+use report::wording::{mend_first, range_end, sentences, unsettled};
 use simulation::Trajectory;
 
 use super::Outcome;
@@ -76,12 +76,14 @@ struct Drive {
     file: MachineFile,
     recordings: Vec<Recording>,
     comparisons: Vec<Comparison>,
+    /// What is doubtful about the recordings for it: they are compared as they are all the same.
+    doubts: Vec<Doubt>,
 }
 
 impl Drive {
     fn as_compared<'a>(&'a self, label: &'a str) -> Compared<'a> {
-        let Self { file, recordings, comparisons, .. } = self;
-        Compared { label, file, recordings, comparisons }
+        let Self { file, recordings, comparisons, doubts, .. } = self;
+        Compared { label, file, recordings, comparisons, doubts }
     }
 }
 
@@ -99,6 +101,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     arguments.plot.as_deref().map_or(Ok(()), |path| check_ending("--plot", path, DRAWING))?;
     for drive in &mut drives {
         drive.comparisons = compared(drive, &arguments.model, console)?;
+        if !console.is_quiet() || arguments.report.is_some() {
+            drive.doubts = input::doubts(&drive.path, &drive.file, &drive.recordings, true)?;
+        }
     }
     let labels = labels(&drives);
     if let Some(path) = &arguments.json {
@@ -157,7 +162,7 @@ fn opened(arguments: &Arguments, machine: &Path, console: &Console<'_>) -> Resul
         .into_iter()
         .map(|recording| input::judged(recording, &file, &arguments.judge))
         .collect::<Result<Vec<_>, _>>()?;
-    Ok(Drive { path: machine.to_owned(), file, recordings, comparisons: Vec::new() })
+    Ok(Drive { path: machine.to_owned(), file, recordings, comparisons: Vec::new(), doubts: Vec::new() })
 }
 
 /// What the drives are called: by their names, by their files where names repeat, by their paths where these do, too.
@@ -172,18 +177,13 @@ fn labels(drives: &[Drive]) -> Vec<String> {
 
 /// The text of one drive: notes, table, sentences.
 fn tell(drive: &Drive, console: &mut Console<'_>) -> Result<(), CliError> {
-    let Drive { path, file, recordings, comparisons } = drive;
+    let Drive { file, recordings, comparisons, doubts, .. } = drive;
     let quiet = console.is_quiet();
     for note in recordings.iter().filter(|_| !quiet).flat_map(|recording| input::notes(recording, &file.machine)) {
         console.print(format_args!("note: {note}"))?;
     }
-    // They are compared as they are all the same.
-    let doubts = if quiet { Vec::new() } else { input::doubts(path, file, recordings, true)? };
-    for doubt in doubts.iter().filter(|doubt| doubt.is_certain) {
-        console.print(format_args!(
-            "note: {}; mend this first: what follows is of the recordings as they are",
-            report::wording::doubt(doubt)
-        ))?;
+    for doubt in doubts.iter().filter(|doubt| doubt.is_certain && !quiet) {
+        console.print(format_args!("note: {}", mend_first(doubt)))?;
     }
     for found in comparisons.iter().filter(|_| !quiet) {
         for note in not_judged(found) {
@@ -229,16 +229,10 @@ fn compared(drive: &Drive, model: &ModelArguments, console: &Console<'_>) -> Res
     let (values, load) = (&file.machine, file.load_source);
     let rows = |recording| rows_simulated(values.source, load, recording) as u64;
     let bar = console.share(recordings.iter().map(rows).sum(), "comparing");
-    let (free, tick, arithmetic) = (base_parameters(file), model.tick(), model.arithmetic.into());
-    let comparisons = parallel::try_each(recordings, |recording| {
-        let told = |rows| bar.inc(rows as u64);
-        let failed = |cause| CliError::Compare { machine: path.clone(), cause };
-        let mut found = compare_with_progress(values, load, recording, arithmetic, tick, &told).map_err(failed)?;
-        put_sways(&mut found, values, load, recording, tick, &free).map_err(failed)?;
-        Ok(found)
-    });
+    let how = (model.arithmetic.into(), model.tick());
+    let found = compare_each(file, &base_parameters(file), recordings, how, &|rows| bar.inc(rows as u64));
     bar.finish_and_clear();
-    comparisons
+    found.map_err(|cause| CliError::Compare { machine: path.clone(), cause })
 }
 
 /// A drawing of each recording, with every drive over each other.

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::slice;
 
 use diagnosis::localisation::Miss;
-use diagnosis::{DiagnoseError, Refit, Refitting, read_absolute};
+use diagnosis::{DiagnoseError, Refit, Refitting, settle_pressure_zero};
 use identification::compare::judged;
-use recording::{ChannelMap, PressureZero, Recording, Signal};
+use recording::{ChannelMap, Recording, Signal};
 use report::{html, json, terminal, wording};
 
 use super::about::about;
@@ -74,16 +74,13 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let tick = arguments.tick.map(Into::into);
     let trained = train.len();
     check_held_out(&recordings[..trained], &recordings[trained..])?;
-    if read_absolute(&file, &recordings[..trained], tick).map_err(failed)? {
-        recordings.iter_mut().for_each(Recording::take_as_absolute);
-        file.channels.pressure = PressureZero::Absolute;
-    }
+    let (training, held_out) = recordings.split_at_mut(trained);
+    settle_pressure_zero(&mut file, training, held_out, tick).map_err(failed)?;
     for note in recordings.iter().flat_map(|recording| input::notes(recording, &file.machine)) {
         console.note(note);
     }
-    for doubt in input::doubts(&arguments.machine, &file, &recordings, arguments.as_recorded)? {
-        console.note(wording::doubt(&doubt));
-    }
+    let doubts = input::doubts(&arguments.machine, &file, &recordings, arguments.as_recorded)?;
+    doubts.iter().for_each(|doubt| console.note(wording::doubt(doubt)));
     let (training, held_out) = recordings.split_at(trained);
     let refitting = Refitting::of(&file, training, tick).map_err(failed)?;
     let refitting = refitting.with_held_out(held_out, tick).map_err(failed)?;
@@ -105,10 +102,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         write_document(path, &format!("{:#}\n", json::refit(&refit)), console)?;
     }
     if let Some(path) = &arguments.report {
-        write(
-            path,
-            html::fit(&refit, &recordings.iter().collect::<Vec<_>>(), &about(slice::from_ref(&arguments.machine))),
-        )?;
+        let about = about(slice::from_ref(&arguments.machine));
+        write(path, html::fit(&refit, &recordings.iter().collect::<Vec<_>>(), &doubts, &about))?;
     }
     tell(&refit, console)?;
     Ok(Outcome::Done)

@@ -71,8 +71,17 @@ fn what_is_taken_as_recorded_says_what_is_wrong_on_the_screen_on_the_page_and_in
     let json: serde_json::Value = serde_json::from_str(&read("d.json")).unwrap();
     assert_eq!(json["plausibility"][0]["certain"], true);
     assert_eq!(json["plausibility"][0]["changes"][0]["kind"], "reversed");
-    let compared = done(folder.path(), &["compare", "--machine", "machine.toml", "--recording", "train-1.csv"]);
+    let compare = ["compare", "--machine", "machine.toml", "--recording", "train-1.csv", "--report", "c.html"];
+    let compared = done(folder.path(), &compare);
     assert!(compared.contains(wrong) && compared.contains("mend this first"), "{compared}");
+    done(folder.path(), &["--quiet", "compare", "train-1.csv", "--machine", "machine.toml", "--report", "quiet.html"]);
+    done(folder.path(), &[&FIT[..], &["--as-recorded", "--report", "f.html"]].concat());
+    for page in ["c.html", "quiet.html", "f.html"] {
+        // On the first screen: before the list of contents.
+        let page = read(page);
+        let (first, _) = page.split_once("<nav class=\"contents\"").unwrap();
+        assert!(first.contains(&format!("Doubt: {wrong}")), "{first}");
+    }
 }
 
 /// What the machine file's own model answers, read by absolute sensors.

@@ -174,6 +174,21 @@ fn a_current_for_a_drive_in_volts_is_doubted_by_inspect_and_diagnose() {
 }
 
 #[test]
+fn a_page_leaves_the_names_of_the_file_s_columns_as_they_are() {
+    // Another column is mapped to the signal, so that its own name is no signal's.
+    let recording =
+        "time [s],command [V],pressure_a,pressure_b note,pA [bar]\n0,0,1,x,50\n0.1,1,2,y,51\n0.2,2,3,z,52\n";
+    let folder = folder_with(MACHINE, recording);
+    done(folder.path(), &["inspect", "run.csv", "--map", "pressure_a=pA [bar]", "--report", "i.html"]);
+    let page = std::fs::read_to_string(folder.path().join("i.html")).unwrap();
+    assert!(page.contains("<bdi>pressure_b note</bdi>"), "{page}");
+    let drawn: Vec<&str> =
+        page.split("<text").skip(1).filter_map(|text| text.split_once('>')?.1.split('<').next()).collect();
+    assert!(drawn.iter().any(|text| text.trim() == "pressure_a [unit unknown]"), "{drawn:?}");
+    assert!(drawn.iter().any(|text| text.trim() == "Pressure A (pA) [bar]"), "{drawn:?}");
+}
+
+#[test]
 fn the_same_is_written_for_programs() {
     let folder = tempfile::tempdir().unwrap();
     let recordings = [example("train-1.csv"), example("train-2.csv")];

@@ -14,11 +14,14 @@ const INDEX: &str = include_str!("../../page/index.html");
 const STYLE: &str = include_str!("../../page/style.css");
 const WORKER: &str = include_str!("../../page/worker.js");
 /// One script for the page; each file uses only those above it.
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 9] = [
     include_str!("../../page/dom.js"),
     include_str!("../../page/engine.js"),
+    include_str!("../../page/inputs.js"),
     include_str!("../../page/files.js"),
     include_str!("../../page/machine.js"),
+    include_str!("../../page/mapping.js"),
+    include_str!("../../page/sheet.js"),
     include_str!("../../page/results.js"),
     include_str!("../../page/app.js"),
 ];

@@ -41,6 +41,6 @@ pub use diagnose::{DiagnoseError, Progress, diagnose, diagnose_since, diagnose_w
 pub use finding::Finding;
 pub use options::Options;
 pub use outcome::{Diagnosis, Verdict};
-pub use pressure_zero::read_absolute;
+pub use pressure_zero::{read_absolute, settle_pressure_zero};
 pub use refit::{Refit, Refitting};
 pub use since::OtherOil;

@@ -76,6 +76,20 @@ pub fn read_absolute(file: &MachineFile, training: &[Recording], tick: Option<Ti
 }
 
 /// The recordings as a search looks at them.
+/// Where training recordings say that the pressures count from a vacuum ([`read_absolute`]), takes them so in all recordings, and has the machine file say so.
+pub fn settle_pressure_zero(
+    file: &mut MachineFile,
+    training: &mut [Recording],
+    held_out: &mut [Recording],
+    tick: Option<Tick>,
+) -> Result<(), DiagnoseError> {
+    if read_absolute(file, training, tick)? {
+        training.iter_mut().chain(held_out).for_each(Recording::take_as_absolute);
+        file.channels.pressure = PressureZero::Absolute;
+    }
+    Ok(())
+}
+
 fn cases(file: &MachineFile, training: &[Recording], tick: Option<Tick>) -> Result<Vec<Prepared>, DiagnoseError> {
     let prepare = |recording: &Recording| Prepared::new(recording, &file.machine, file.load_source, tick);
     let whole: Vec<Prepared> = training.iter().map(prepare).collect::<Result<_, _>>()?;

@@ -13,6 +13,8 @@ use crate::reader::{NUMBER, Reader};
 
 /// The key of the zero of all pressure sensors.
 pub(crate) const PRESSURE: &str = "pressure";
+/// The key of the columns that are left unused.
+pub(crate) const UNUSED: &str = "unused";
 /// The last is one of other consumers alone.
 const KEYS: [&str; 4] = ["column", "zero", "full", FULL_FLOW];
 /// What another consumer of the supply that is known by its command takes at the full reading.
@@ -21,7 +23,11 @@ pub(crate) const FULL_FLOW: &str = "full_flow_m3_per_s";
 impl Reader<'_> {
     /// Reads the table: a header in quotation marks, or a table of `column`, `zero` and `full`, for each signal.
     pub(crate) fn channels(&mut self, table: &dyn TableLike) -> Result<(), MachineFileError> {
-        for (key, item) in table.iter() {
+        // First: what is mapped as well is mapped, wherever it stands.
+        if let Some(item) = table.get(UNUSED) {
+            self.unused(item)?;
+        }
+        for (key, item) in table.iter().filter(|(key, _)| *key != UNUSED) {
             if key == PRESSURE {
                 self.result.channels.pressure = self.pressure(item)?;
                 continue;
@@ -39,6 +45,20 @@ impl Reader<'_> {
                 None => Mapping::column(self.header(signal, &name, item)?, false),
             };
             self.result.channels.insert(signal, mapping);
+        }
+        Ok(())
+    }
+
+    /// The headers of columns that are not known by their names.
+    fn unused(&mut self, item: &Item) -> Result<(), MachineFileError> {
+        let (key, expected) = (format!("channels.{UNUSED}"), "an array of headers in quotation marks");
+        let headers = item.as_array().ok_or_else(|| self.wrong_type(item, &key, expected))?;
+        for header in headers {
+            let text = header.as_str().ok_or_else(|| self.wrong_type(item, &key, expected))?.trim();
+            if text.is_empty() {
+                return Err(MachineFileError::EmptyHeader { place: self.place(header.span()), signal: UNUSED });
+            }
+            self.result.channels.leave_unused(text);
         }
         Ok(())
     }

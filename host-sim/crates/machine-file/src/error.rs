@@ -53,7 +53,7 @@ pub enum MachineFileError {
     UnknownChoice { place: Place, key: String, found: String, choices: &'static str },
     /// A key of `[channels]` that is not a signal.
     UnknownSignal { place: Place, found: String, nearest: &'static str },
-    /// A signal is mapped to the empty text.
+    /// A signal is mapped to the empty text, or a column without a name is to be left unused.
     EmptyHeader { place: Place, signal: &'static str },
     /// A sensor whose reading does not change with the signal.
     NoSpan { place: Place, key: String },
@@ -123,7 +123,7 @@ impl Explained for MachineFileError {
             E::DirectionalValveWithoutPump { .. } => "[directional_valve] in a drive without [pump]".into(),
             E::UnknownChoice { key, found, .. } => format!("`{key}` is {}", quoted(found)),
             E::UnknownSignal { found, .. } => format!("{} is not a known signal", quoted(found)),
-            E::EmptyHeader { signal, .. } => format!("{signal} is mapped to the empty text"),
+            E::EmptyHeader { signal, .. } => format!("`channels.{signal}` names a column without a header"),
             E::NoSpan { key, .. } => format!("`{key}` is 0"),
             E::TwoLinkages { one, other, .. } => format!("`linkage.{other}` beside `linkage.{one}`"),
             E::NotCarried { cause, .. } => {

@@ -2,7 +2,7 @@
 
 use model_core::machine::Source;
 use recording::files::source_error::{Explained, render};
-use recording::{Scale, Signal};
+use recording::{Mapping, Scale, Signal};
 
 use crate::*;
 
@@ -89,6 +89,24 @@ fn a_valve_drive_is_read_with_defaults() {
 fn a_table_that_was_pasted_twice_says_where_its_lines_belong() {
     let error = refused("supply", "[channels]\ntime = \"t\"\n[channels]", 8);
     assert!(error.to_string().contains("belong below the first"), "{error}");
+}
+
+#[test]
+fn columns_that_are_left_unused_are_read_written_and_taken_back() {
+    let channels = "[channels]\nposition = \"Weg [mm]\"\nunused = [\"Weg [mm]\", \"flow [l/min]\"]\nspool = \"x\"\n";
+    let file = parse(&format!("{VALVE}{channels}")).unwrap();
+    assert_eq!(file.channels.unused(), ["flow [l/min]"], "what is mapped is used");
+    let mut other = file.clone();
+    other.channels.leave_unused("x");
+    let text = other.to_text("other.toml").unwrap();
+    assert!(text.contains("unused = [\"flow [l/min]\", \"x\"]") && !text.contains("spool ="), "{text}");
+    let again = parse(&text).unwrap();
+    assert_eq!(again.channels, other.channels);
+    let mut back = again.clone();
+    back.channels.insert(Signal::Spool, Mapping::column("x", false));
+    assert_eq!(parse(&back.to_text("back.toml").unwrap()).unwrap().channels, file.channels);
+    assert_error!(refused("supply", "[channels]\nunused = \"x\"", 6), MachineFileError::WrongType { .. });
+    assert_error!(refused("supply", "[channels]\nunused = [\"\"]", 6), MachineFileError::EmptyHeader { .. });
 }
 
 #[test]

@@ -11,7 +11,7 @@ use recording::files::source_error::Place;
 use recording::linkage::Rises;
 use recording::{PressureZero, Scale, Signal};
 
-use crate::channels::{FULL_FLOW, PRESSURE};
+use crate::channels::{FULL_FLOW, PRESSURE, UNUSED};
 use crate::error::MachineFileError;
 use crate::keys::{self, EFFECTS};
 use crate::linkage::{ANGLES, LINKAGE, POSITIONS, RISES};
@@ -118,6 +118,14 @@ impl MachineFile {
         let zero = before.map_or(PressureZero::default(), |before| before.channels.pressure);
         if zero != self.channels.pressure {
             put(table(document.as_table_mut(), "channels"), PRESSURE, self.channels.pressure.name().into());
+        }
+        let unused = self.channels.unused();
+        if before.map_or(&[][..], |before| before.channels.unused()) != unused {
+            put(table(document.as_table_mut(), "channels"), UNUSED, unused.iter().map(String::as_str).collect());
+        }
+        let gone = |signal: &Signal| self.channels.get(*signal).is_none();
+        for (signal, _) in before.iter().flat_map(|before| before.channels.iter()).filter(|(signal, _)| gone(signal)) {
+            table(document.as_table_mut(), "channels").remove(signal.name());
         }
         for (signal, mapping) in self.channels.iter() {
             let stands = before.and_then(|before| before.channels.get(signal));

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::header::Offer;
 use crate::linkage::Linkage;
 use crate::signal::{Signal, split_header};
 
@@ -44,6 +45,8 @@ impl Mapping {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChannelMap {
     entries: BTreeMap<Signal, Mapping>,
+    /// Headers of columns that are not known by their names.
+    unused: Vec<String>,
     /// The zero of all pressure sensors.
     pub pressure: PressureZero,
     /// The linkage through which the angle of the joint is a position of the rod, where it is known.
@@ -142,7 +145,23 @@ impl ChannelMap {
 
     /// Sets the column of a signal.
     pub fn insert(&mut self, signal: Signal, mapping: Mapping) {
+        self.unused.retain(|header| !Offer::by_header(header).is_meant_by(&mapping));
         self.entries.insert(signal, mapping);
+    }
+
+    /// Leaves a column unused: no entry means it any longer, and its own name does not count.
+    pub fn leave_unused(&mut self, header: &str) {
+        let offer = Offer::by_header(header);
+        self.entries.retain(|_, mapping| !offer.is_meant_by(mapping));
+        if !self.unused.iter().any(|known| known == header) {
+            self.unused.push(header.to_owned());
+        }
+    }
+
+    /// The headers of columns that are not known by their names. An entry that means one of them counts all the same.
+    #[must_use]
+    pub fn unused(&self) -> &[String] {
+        &self.unused
     }
 
     /// The column of a signal, where it is mapped.
@@ -171,7 +190,12 @@ impl ChannelMap {
     /// This map with the entries of another; where both have an entry, the other's counts: the command line overrides the machine file.
     #[must_use]
     pub fn overlaid_with(mut self, other: &Self) -> Self {
-        self.entries.extend(other.entries.clone());
+        for (signal, mapping) in other.iter() {
+            self.insert(signal, mapping.clone());
+        }
+        for header in &other.unused {
+            self.leave_unused(header);
+        }
         self
     }
 }
@@ -212,6 +236,16 @@ mod tests {
         assert!(matches!(error("positon=x"), MapError::UnknownSignal { nearest: "position", .. }));
         let twice = ChannelMap::from_arguments(["spool=a", "spool=b"]).unwrap_err();
         assert!(matches!(twice, MapError::Twice { .. }));
+    }
+
+    #[test]
+    fn a_column_is_either_mapped_or_unused() {
+        let mut map = ChannelMap::from_arguments(["position=Kolbenweg", "spool=x"]).unwrap();
+        map.leave_unused("Kolbenweg [mm]");
+        assert_eq!((map.get(Signal::Position), map.unused()), (None, ["Kolbenweg [mm]".to_owned()].as_slice()));
+        assert!(map.get(Signal::Spool).is_some());
+        let mapped = map.overlaid_with(&ChannelMap::from_arguments(["position=Kolbenweg [mm]"]).unwrap());
+        assert!(mapped.get(Signal::Position).is_some() && mapped.unused().is_empty(), "{mapped:?}");
     }
 
     #[test]

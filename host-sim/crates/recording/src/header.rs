@@ -6,9 +6,10 @@ use crate::files::source_error::Place;
 use crate::recording::{Column, Note};
 use crate::signal::{Signal, split_header};
 use crate::unit::Unit;
+use crate::unit_in_name::split_suffix;
 
 /// A header of a file, and the names by which it can be known.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Offer {
     /// The header as it is written back; messages use it too.
     pub(crate) header: String,
@@ -24,6 +25,13 @@ struct Meant {
 }
 
 impl Offer {
+    /// The column of any format that has this header.
+    pub(crate) fn by_header(header: &str) -> Self {
+        let mut offer = Self::beside(header, None);
+        offer.names.extend(split_suffix(header).map(|(name, unit)| (name.to_owned(), Some(unit.symbol().to_owned()))));
+        offer
+    }
+
     /// The header of a plain recording, and its unit where a row of its own has it.
     pub(crate) fn beside(header: &str, beside: Option<&str>) -> Self {
         let (name, unit) = split_header(header);
@@ -79,6 +87,16 @@ impl Offer {
     /// The unit that one of its names ends with, as in `Kolbenweg_mm`.
     fn unit_in_a_name(&self) -> Option<String> {
         self.names.iter().find_map(|(_, unit)| unit.clone())
+    }
+}
+
+/// Takes from the columns that are left unused the names by which they would be known.
+pub(crate) fn leave_unused(offers: &mut [Offer], map: &ChannelMap) {
+    let unused: Vec<Mapping> = map.unused().iter().map(|header| Mapping::column(header.as_str(), false)).collect();
+    let is_unused = |offer: &Offer| unused.iter().any(|unused| offer.is_meant_by(unused));
+    let is_mapped = |offer: &Offer| map.iter().any(|(_, mapping)| offer.is_meant_by(mapping));
+    for offer in offers.iter_mut().filter(|offer| is_unused(offer) && !is_mapped(offer)) {
+        offer.names.clear();
     }
 }
 

@@ -4,15 +4,15 @@
 //! sensors, and with every base parameter that is not known exactly. A misfit of this size says nothing about missing physics. So each of these
 //! errors is put in by itself, the section simulated again, and the movements added as independent errors are.
 
-use machine_file::LoadSource;
+use machine_file::{LoadSource, MachineFile};
 use model_core::machine::{Machine, Parameter, Tick};
 use recording::{Recording, Signal};
 use simulation::sensor_fault::Mended;
 use simulation::signal::noise::extent;
-use simulation::{InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, simulate_f64, tick_for};
+use simulation::{Arithmetic, InputPoint, SimulateError, StartOffset, Stimulus, Trajectory, simulate_f64, tick_for};
 
 use super::weakest::needs_sway;
-use super::{CompareError, Comparison, PlannedSection, plans};
+use super::{CompareError, Comparison, PlannedSection, compare_with_progress, plans};
 use crate::fit::Free;
 use crate::input_noise::off_by;
 use crate::parallel;
@@ -40,6 +40,25 @@ pub struct Sway {
     pub most: Mover,
     /// RMS with this one alone, SI.
     pub by_most: f64,
+}
+
+/// Every recording compared with a machine file's drive ([`compare_with_progress`]), and how far its sections sway ([`put_sways`]).
+///
+/// # Errors
+/// A recording cannot be compared with this drive.
+pub fn compare_each(
+    file: &MachineFile,
+    free: &[Free],
+    recordings: &[Recording],
+    (arithmetic, tick): (Arithmetic, Option<Tick>),
+    told: &(dyn Fn(usize) + Sync),
+) -> Result<Vec<Comparison>, CompareError> {
+    let (machine, load) = (&file.machine, file.load_source);
+    parallel::try_each(recordings, |recording| {
+        let mut found = compare_with_progress(machine, load, recording, arithmetic, tick, told)?;
+        put_sways(&mut found, machine, load, recording, tick, free)?;
+        Ok(found)
+    })
 }
 
 /// Puts into a comparison how far the outputs of its sections sway, given how far base parameters and tolerances usually are off; only for those

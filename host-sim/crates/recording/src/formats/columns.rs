@@ -15,7 +15,7 @@ use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::formats::coarse_stamps::CoarseStamps;
 use crate::formats::text::lines::{MAX_COLUMNS, most_rows};
-use crate::header::{Assignment, Offer, assign, is_same_unit, one};
+use crate::header::{Assignment, Offer, assign, is_same_unit, leave_unused, one};
 use crate::recording::{At, Column, LeftOut, Note, Recording};
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};
@@ -60,11 +60,13 @@ pub(crate) fn recording<C: Contents>(name: &str, contents: &C, map: &ChannelMap)
     if offered.len() > MAX_COLUMNS {
         return Err(RecordingError::TooManyColumns { place: Place::file(name), most: MAX_COLUMNS });
     }
-    let file = File { name, contents, offers: offered.iter().map(offer).collect() };
+    let mut offers: Vec<Offer> = offered.iter().map(offer).collect();
+    leave_unused(&mut offers, map);
+    let file = File { name, contents, offers };
     let clocks = file.clocks(map)?;
     let is_time = |index: &usize| clocks.iter().any(|(at, _)| at == index);
     let others: Vec<usize> = (0..offered.len()).filter(|index| !is_time(index) && !offered[*index].clock).collect();
-    let offers: Vec<Offer> = others.iter().map(|&index| offer(&offered[index])).collect();
+    let offers: Vec<Offer> = others.iter().map(|&index| file.offers[index].clone()).collect();
     let place = |index: usize| file.place(others[index]);
     let Assignment { known, ignored, notes } = assign(&offers, &map.without(Signal::Time), &Place::file(name), place)?;
     let known: Vec<(usize, Column)> = known

@@ -125,6 +125,22 @@ mod tests {
     }
 
     #[test]
+    fn a_column_that_is_left_unused_is_not_known_by_any_of_its_names() {
+        let columns =
+            || vec![column("time_s", &[0.0, 1.0, 2.0]), column("position_mm", &[1.0; 3]), column("spool", &[0.0; 3])];
+        for header in ["position_mm", "position [mm]"] {
+            let mut map = ChannelMap::default();
+            map.leave_unused(header);
+            let read = Recording::of_columns("run", columns(), &map).unwrap();
+            assert!(!read.has(Signal::Position) && read.has(Signal::Spool), "{header}");
+            assert_eq!(read.ignored(), ["position_mm"]);
+        }
+        let mut map = ChannelMap::default();
+        map.leave_unused("time_s");
+        assert!(matches!(Recording::of_columns("run", columns(), &map), Err(RecordingError::NoTimes { .. })));
+    }
+
+    #[test]
     fn an_error_names_column_and_row() {
         let error = read(vec![column("time [s]", &[0.0, 2.0, 1.0]), column("spool", &[0.0; 3])]).unwrap_err();
         assert_eq!((&*error.place().file, error.place().row()), ("run", Some(3)));

@@ -50,6 +50,24 @@ fn a_plain_recording_is_read_in_si_units() {
 }
 
 #[test]
+fn a_column_that_is_left_unused_is_not_known_by_its_name() {
+    let mut map = ChannelMap::default();
+    map.leave_unused("position [mm]");
+    let read = |text: &str, map: &ChannelMap| read_from("run.csv", text.as_bytes(), map);
+    let recording = read(PLAIN, &map).unwrap();
+    assert!(recording.has(Signal::Command) && !recording.has(Signal::Position));
+    assert_eq!(recording.ignored(), ["position [mm]", "remark"]);
+    map.leave_unused("time [s]");
+    assert_error!(read(PLAIN, &map), Err(RecordingError::NoTimeColumn { .. }));
+    let asked = ChannelMap::from_arguments(["time=time", "position=position"]).unwrap();
+    assert!(read(PLAIN, &map.overlaid_with(&asked)).unwrap().has(Signal::Position), "what is asked for by hand counts");
+    let mut of_units = ChannelMap::default();
+    of_units.leave_unused("position [mm]");
+    let below = "time,command,position\ns,V,mm\n0,0,10\n0.1,1.5,11\n";
+    assert!(!read(below, &of_units).unwrap().has(Signal::Position), "the unit stands below the name");
+}
+
+#[test]
 fn german_spreadsheet_files_are_read() {
     let text = "\u{feff}# Prüfstand 3\r\n\r\n\"time [ms]\";position [mm];\"oil_temperature [K]\"\r\n0;0,5;300\r\n#\r\n10;\"0,75\";300,5\r\n";
     let recording = read_text(text).unwrap();

@@ -14,7 +14,19 @@ use crate::plot::{Cells, Figure, Panel, Rows, cells, rows, scatter, svg};
 /// The page's chart library, and its licence, which must be kept with it.
 const LIBRARY: &str = include_str!("assets/uplot/uPlot.iife.min.js");
 const LICENCE: &str = include_str!("assets/uplot/LICENSE");
-const SCRIPT: &str = include_str!("assets/charts.js");
+/// The page's own scripts as one: what they name is theirs alone.
+const SCRIPT: &str = concat!(
+    "(function () {\n\"use strict\";\n\n",
+    include_str!("assets/charts/numbers.js"),
+    include_str!("assets/charts/looks.js"),
+    include_str!("assets/charts/zoom.js"),
+    include_str!("assets/charts/over_time.js"),
+    include_str!("assets/charts/over_state.js"),
+    include_str!("assets/charts/rows.js"),
+    include_str!("assets/charts/map.js"),
+    include_str!("assets/charts/page.js"),
+    "})();\n",
+);
 pub(crate) const LOOKS: &str = include_str!("assets/uplot/uPlot.min.css");
 
 /// The scripts at the end of the page.

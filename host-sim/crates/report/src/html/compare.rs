@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use diagnosis::agreement::Doubt;
 use identification::compare::weakest::{obstacles, unjudged, weakest};
 use identification::compare::{Comparison, Section, SectionFit, mean_fits};
 use machine_file::MachineFile;
@@ -40,6 +41,8 @@ pub struct Compared<'a> {
     pub recordings: &'a [Recording],
     /// What was found, one for each recording.
     pub comparisons: &'a [Comparison],
+    /// What is doubtful about the recordings for this drive.
+    pub doubts: &'a [Doubt],
 }
 
 impl<'a> Compared<'a> {
@@ -69,6 +72,7 @@ pub fn compare(all: &[Compared<'_>], about: &About) -> String {
     let budget = Budget::shared(recordings.len(), panels, all.len());
     let top = html! {
         (headline(all))
+        (doubtful(all))
         (gains(all))
         p class="soft" { "Mean NRMSE fit end to end" @if all.len() > 1 { ": " (labels.join(" · ")) } ". 100 % is perfect, 0 % no better than the mean." }
     };
@@ -85,6 +89,18 @@ pub fn compare(all: &[Compared<'_>], about: &About) -> String {
         &top,
         &rest,
     )
+}
+
+/// What is certainly wrong with the recordings for a drive, and units that can hardly be right.
+fn doubtful(all: &[Compared<'_>]) -> Markup {
+    html! {
+        @for one in all {
+            @let of_units = one.recordings.iter().flat_map(|recording| wording::unit_notes(recording, &one.file.machine));
+            @for said in one.doubts.iter().filter(|doubt| doubt.is_certain).map(wording::mend_first).chain(of_units) {
+                p class="fact" { "Doubt: " @if all.len() > 1 { (one.label) ": " } (prose(&said)) @if !said.ends_with('?') { "." } }
+            }
+        }
+    }
 }
 
 /// One drive: its weakest part. Several: how many signals each fits best.

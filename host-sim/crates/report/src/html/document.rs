@@ -44,7 +44,7 @@ pub(crate) fn document(title: &str, (made, recordings): (&About, &Used<'_>), top
             }
         }
     };
-    spoken(&page.0)
+    spoken(&page.0, &recordings.iter().flat_map(|(_, names)| names.iter().copied()).collect::<Vec<_>>())
 }
 
 /// What stands before and behind a heading of the first level below the page's own.

@@ -6,6 +6,7 @@ use diagnosis::Diagnosis;
 use recording::display_unit::{difference, percent, significant, unit_for_people};
 
 use super::chart::chart;
+use super::document::prose;
 use crate::evidence::Exhibits;
 use crate::evidence::preprocessing::Preprocessing;
 use crate::evidence::waterfall::Waterfall;
@@ -173,7 +174,7 @@ pub(crate) fn prepared(found: &[Preprocessing]) -> Markup {
                     @if let Some(line) = of.dither { p { (of.recording) ": dither of " (significant(line.amplitude, 2)) " V at " (significant(line.hz, 3)) " Hz in the command." } }
                     @for (failure, fate) in of.failures() { p { (of.recording) ": " (failure) "; " (fate) "." } }
                     @for said in of.of_start_and_clock() { p { (of.recording) ": " (said) "." } }
-                    @for note in &of.notes { p { (of.recording) ": " (note) "." } }
+                    @for note in &of.notes { p { (of.recording) ": " (prose(note)) "." } }
                 }
             }
             @let failed: usize = found.iter().flat_map(|of| &of.channels).map(|channel| channel.spikes).sum();

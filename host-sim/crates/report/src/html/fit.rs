@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use diagnosis::agreement::Doubt;
 use diagnosis::localisation::Miss;
 use diagnosis::{Fits, Refit, Shown, mean_fits, mean_noise_floor};
 use recording::Recording;
@@ -22,9 +23,9 @@ use crate::wording;
 /// What the model is called before and after the fit.
 const NAMES: (&str, Option<&str>) = ("machine file", Some("fitted"));
 
-/// The page. `recordings` are all that the refit shows, in its order.
+/// The page. `recordings` are all that the refit shows, in its order, `doubts` what is doubtful about them for this drive.
 #[must_use]
-pub fn fit(refit: &Refit, recordings: &[&Recording], about: &About) -> String {
+pub fn fit(refit: &Refit, recordings: &[&Recording], doubts: &[Doubt], about: &About) -> String {
     let panels = refit.shown.iter().map(|shown| shown.prepared.channels.len()).max().unwrap_or(1);
     let budget = Budget::shared(refit.shown.len(), panels, 2);
     let held_out = refit.shown.iter().any(|shown| shown.held_out);
@@ -34,6 +35,7 @@ pub fn fit(refit: &Refit, recordings: &[&Recording], about: &About) -> String {
             @if above { "What is left is more than noise, and no parameter that may move can remove it." }
             @else { "The fitted model follows its recordings to about their noise." }
         }
+        @for doubt in doubts { p class="fact" { "Doubt: " (wording::doubt(doubt)) "." } }
         (gains(refit, held_out))
         p class="soft" { "NRMSE fit in free run, " @if held_out { "recordings that were held out" } @else { "the recordings that were fitted to: none was held out" }
             ": machine file → fitted values." }

@@ -10,6 +10,7 @@ use super::about::About;
 use super::budget::Budget;
 use super::chart::in_panels;
 use super::document::{READING, document, prose};
+use super::spoken::{own, said};
 use crate::inspect::{extent, opened, reach, travelled};
 use crate::plot::{Panel, Style, Trace, title};
 use crate::wording;
@@ -191,10 +192,10 @@ fn known_panel(one: &Inspected<'_>, channel: &InspectedColumn) -> Option<Panel> 
         format!("{} ({})", title(channel.signal), without_unit(&channel.header).0)
     };
     let style = if is_set { Style::Input } else { Style::Channel };
-    let said: Vec<String> =
-        remarks(one.found).filter(|(signal, _)| *signal == Some(channel.signal)).map(|(_, said)| said).collect();
+    let of_channel = remarks(one.found).filter(|(signal, _)| *signal == Some(channel.signal));
+    let remarks: Vec<String> = of_channel.map(|(_, remark)| remark).collect();
     let mut panel =
-        Panel::new(&name, unit, time_s).trace(Trace::new("recorded", readable, style)).note(&said.join("; "));
+        Panel::new(&name, unit, time_s).trace(Trace::new("recorded", readable, style)).note(&said(&remarks.join("; ")));
     let marked: Vec<(f64, f64)> = channel.marks.iter().map(|mark| (mark.from_s, mark.to_s)).collect();
     panel.intervals = merged(&marked, one.found.duration_s / FINEST);
     panel.intervals.extend(merged(&one.found.gaps, one.found.duration_s / FINEST));
@@ -249,7 +250,7 @@ fn not_drawn(one: &Inspected<'_>) -> Markup {
         one.unknown.iter().filter(|column| column.values.is_empty()).map(|column| column.header.as_str()).collect();
     html! {
         @if !names.is_empty() {
-            p class="soft" { "Not drawn, as not every row holds a number: " (names.join(", ")) "." }
+            p class="soft" { "Not drawn, as not every row holds a number: " @for (index, name) in names.iter().enumerate() { @if index > 0 { ", " } (own(name)) } "." }
         }
         @if one.unknown.iter().any(|column| !column.values.is_empty() && column.values.len() < one.found.rows) {
             p class="soft" { "Of channels that the model does not know, the first rows are drawn." }

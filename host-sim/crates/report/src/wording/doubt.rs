@@ -32,6 +32,12 @@ pub fn doubt(doubt: &Doubt) -> String {
     )
 }
 
+/// The same of recordings that are worked on as they are all the same.
+#[must_use]
+pub fn mend_first(doubt: &Doubt) -> String {
+    format!("{}; mend this first: what follows is of the recordings as they are", self::doubt(doubt))
+}
+
 /// What a change says of the recordings, where these signals raise the doubt.
 fn claim(change: Change, signals: &[Signal]) -> String {
     match change {

@@ -21,7 +21,7 @@ mod unit;
 pub use cause::{CAUSES, Cause, cause};
 pub use change::{TRADED, change, doubt_of_then, found, most_changed, other_oil, unchanged};
 pub use comparison::{obstacle, sentences, unjudged};
-pub use doubt::doubt;
+pub use doubt::{doubt, mend_first};
 pub(crate) use far_value::moved;
 pub use far_value::{far_value, far_values};
 pub use finding::{advice, claimed, correction_table, correlation, jumps};

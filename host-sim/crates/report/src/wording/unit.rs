@@ -36,7 +36,7 @@ pub fn unit_doubt(doubt: &UnitDoubt) -> String {
             let by_file = format!("by the machine file's gain_per_v it opens the valve to {opening} %");
             let in_channels = |zero: f64, full: f64| {
                 format!(
-                    "if the file counts in volts, its [channels] can say command = {{ column = \"{header}\", zero = {zero}, full = {full} }}"
+                    "if the file counts in volts, its [channels] can say `command = {{ column = \"{header}\", zero = {zero}, full = {full} }}`"
                 )
             };
             match closed_at_ma {

@@ -6,7 +6,7 @@ use super::lines::{Cells, Lines, Splitter, TextLine};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
-use crate::header::Offer;
+use crate::header::{Offer, leave_unused};
 use crate::signal::{Signal, split_header};
 use crate::unit::Unit;
 
@@ -63,9 +63,16 @@ impl Heading {
         (0..self.names.len()).map(of).collect()
     }
 
+    /// The columns by their names, but for those that the map leaves unused.
+    fn offers_of(&self, map: &ChannelMap) -> Vec<Offer> {
+        let mut offers = self.offers();
+        leave_unused(&mut offers, map);
+        offers
+    }
+
     /// The columns by their names; a column of dates that is time, by its name or by the map, has times in s.
     pub(crate) fn offers_with_stamps(&self, map: &ChannelMap) -> Vec<Offer> {
-        let mut offers = self.offers();
+        let mut offers = self.offers_of(map);
         for (offer, _) in offers.iter_mut().zip(&self.stamped).filter(|(_, stamped)| **stamped) {
             let is_mapped = map.get(Signal::Time).is_some_and(|mapping| offer.is_meant_by(mapping));
             if is_mapped || offer.is_named(Signal::Time) {
@@ -81,7 +88,7 @@ impl Heading {
         let mapping = map.get(Signal::Time);
         let is_time =
             |offer: &Offer| offer.is_named(Signal::Time) || mapping.is_some_and(|mapping| offer.is_meant_by(mapping));
-        self.offers().iter().any(is_time)
+        self.offers_of(map).iter().any(is_time)
     }
 
     /// Whether the times of a column are dates or times of day.

@@ -28,7 +28,7 @@ use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::formats::resample::{self, Sampled};
-use crate::header::{Offer, assign};
+use crate::header::{Offer, assign, leave_unused};
 use crate::recording::{At, Column, Note, Recording};
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};
@@ -189,6 +189,7 @@ impl Channels {
                 offers.push(offer(name, cell("SymbolName", index), cell("Unit", index)));
             }
         }
+        leave_unused(&mut offers, map);
         let assignment = assign(&offers, map, file, |_| file.clone())?;
         let known: Vec<Channel> = assignment
             .known
