@@ -80,7 +80,9 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         console.note(note);
     }
     let doubts = input::doubts(&arguments.machine, &file, &recordings, arguments.as_recorded)?;
-    doubts.iter().for_each(|doubt| console.note(wording::doubt(doubt)));
+    for doubt in &doubts {
+        console.note(wording::doubt(doubt));
+    }
     let (training, held_out) = recordings.split_at(trained);
     let refitting = Refitting::of(&file, training, tick).map_err(failed)?;
     let refitting = refitting.with_held_out(held_out, tick).map_err(failed)?;
