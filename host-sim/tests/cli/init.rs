@@ -20,6 +20,19 @@ fn a_valve_that_is_driven_by_a_current_counts_in_milliamperes() {
     let file = machine_file::read(&folder.path().join("press.toml")).unwrap();
     let gain = file.machine.get(model_core::machine::Parameter::ValveGain);
     assert!((gain - 0.5935 / 40.0).abs() < 1e-9, "{gain}");
+    // A solenoid of 800 mA: in both number types the spool goes where the current says, and does not end at a tenth of it.
+    let solenoid = PRESS.map(|word| if word == "10V" { "800mA" } else { word });
+    done(folder.path(), &[&solenoid[..], &["--force"]].concat());
+    let rows: String =
+        (0..600).map(|row| format!("{},{}\n", f64::from(row) * 1e-3, if row < 50 { 0 } else { 700 })).collect();
+    std::fs::write(folder.path().join("run.csv"), "time [s],command [mA]\n".to_owned() + &rows).unwrap();
+    for arithmetic in ["fixed", "float"] {
+        let simulate = ["simulate", "--machine", "press.toml", "--recording", "run.csv", "--out", "out.csv"];
+        done(folder.path(), &[&simulate[..], &["--arithmetic", arithmetic]].concat());
+        let out = recording::read(&folder.path().join("out.csv"), &ChannelMap::default()).unwrap();
+        let spool = *out.signal(recording::Signal::Spool).unwrap().last().unwrap();
+        assert!((spool - 700.0 / 800.0 * 0.5935).abs() < 1e-3, "{arithmetic}: {spool}");
+    }
 }
 
 #[test]

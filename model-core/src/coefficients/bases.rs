@@ -162,3 +162,29 @@ pub(crate) fn smaller_capacity(machine: &Machine<f64>) -> f64 {
     let capacity = |volume: P| machine.get(volume) / machine.get(P::BulkModulus) + machine.get(P::HoseCompliance);
     capacity(P::VolumeA).min(capacity(P::VolumeB))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_format_holds_the_command_that_opens_the_valve_and_the_travel_per_command_fits() {
+        let mut machine = Machine::<f64>::with_defaults(Source::Valve);
+        let mut of = |gain: f64| {
+            machine.set(P::ValveGain, gain);
+            command_v(&machine)
+        };
+        for volts in [0.1, 1.0, 2.4, 20.0, 81.0, 800.0, 3000.0] {
+            for gain in [1.0 / volts, -1.0 / volts] {
+                let base = of(gain);
+                let (per_base, times) = (gain.abs() * base, base / COMMAND_V);
+                assert!(per_base <= GAIN_AIM && per_base * FORMAT_END >= 1.0, "{volts} V: {base} V");
+                assert!(times.log2().fract() == 0.0, "{volts} V: {base} V is no power of two times the usual");
+            }
+        }
+        for volts in [3.0, 5.0, 10.0, 24.0, 80.0] {
+            assert!(of(1.0 / volts) == COMMAND_V, "{volts} V");
+        }
+        assert!(of(0.0).is_finite());
+    }
+}
