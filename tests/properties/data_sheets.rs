@@ -126,9 +126,10 @@ fn recording(header: &str, most: f64) -> String {
     let row = |row: u32| {
         let time_s = f64::from(row) * 2e-3;
         let level = [0.0, 0.4, 0.0, -0.4, 0.8, 0.0, -0.8][(row / 150) as usize % 7];
-        format!("{time_s:.3},{:.6}\n", level * most)
+        format!("{time_s:.3},{:.6}", level * most)
     };
-    format!("time [s],{header}\n") + &(0..1050).map(row).collect::<String>()
+    let rows: Vec<String> = (0..1050).map(row).collect();
+    format!("time [s],{header}\n{}\n", rows.join("\n"))
 }
 
 /// Commands that take the machine file in a folder, one after the other: some read what an earlier one wrote. Not `testbed`, which refuses what
@@ -171,10 +172,7 @@ fn what_init_writes_every_command_takes() {
         }
         written.set(written.get() + 1);
         fs::write(path("run.csv"), recording(header, most)).unwrap();
-        let of_valves = match header.starts_with("pump") {
-            true => 0,
-            false => 1 + usize::from(!planned.replace(true)),
-        };
+        let of_valves = if header.starts_with("pump") { 0 } else { 1 + usize::from(!planned.replace(true)) };
         for command in COMMANDS.iter().chain(&OF_VALVES[..of_valves]) {
             let word = |word: &str| match (word, word.strip_prefix('@')) {
                 ("M", _) => machine.clone(),

@@ -23,9 +23,9 @@ fn a_valve_that_is_driven_by_a_current_counts_in_milliamperes() {
     // A solenoid of 800 mA: in both number types the spool goes where the current says, and does not end at a tenth of it.
     let solenoid = PRESS.map(|word| if word == "10V" { "800mA" } else { word });
     done(folder.path(), &[&solenoid[..], &["--force"]].concat());
-    let rows: String =
-        (0..600).map(|row| format!("{},{}\n", f64::from(row) * 1e-3, if row < 50 { 0 } else { 700 })).collect();
-    std::fs::write(folder.path().join("run.csv"), "time [s],command [mA]\n".to_owned() + &rows).unwrap();
+    let row = |row: u32| format!("{},{}", f64::from(row) * 1e-3, if row < 50 { 0 } else { 700 });
+    let rows: Vec<String> = (0..600).map(row).collect();
+    std::fs::write(folder.path().join("run.csv"), format!("time [s],command [mA]\n{}\n", rows.join("\n"))).unwrap();
     for arithmetic in ["fixed", "float"] {
         let simulate = ["simulate", "--machine", "press.toml", "--recording", "run.csv", "--out", "out.csv"];
         done(folder.path(), &[&simulate[..], &["--arithmetic", arithmetic]].concat());
