@@ -143,18 +143,29 @@ def read(
 
 def _items(source: Any) -> list[tuple[Any, Any]]:
     if hasattr(source, "items"):
-        return list(source.items())
+        index = getattr(source, "index", None)
+        label = getattr(index, "name", None)
+        named = [(label, index)] if label is not None else []
+        return named + list(source.items())
     raise TypeError(
         f"a {type(source).__name__} is no recording; expected a file, a mapping from headers to arrays, or a data frame"
     )
 
 
 def _plain(values: Any) -> Any:
-    """A pandas Series as the array that it holds, times of a zone as those of UTC; everything else as it is."""
-    if not hasattr(values, "to_numpy"):
+    """A pandas Series or index as the array that it holds, times of a zone as those of UTC; NumPy's numbers of other widths or byte orders as doubles, with NaN
+    where they are masked; everything else as it is."""
+    if hasattr(values, "to_numpy"):
+        has_zone = getattr(getattr(values, "dtype", None), "tz", None) is not None
+        values = values.to_numpy(dtype=f"datetime64[{values.dtype.unit}]") if has_zone else values.to_numpy()
+    kind = getattr(getattr(values, "dtype", None), "kind", None)
+    if kind not in ("f", "i", "u"):
         return values
-    has_zone = getattr(getattr(values, "dtype", None), "tz", None) is not None
-    return values.to_numpy(dtype=f"datetime64[{values.dtype.unit}]") if has_zone else values.to_numpy()
+    if hasattr(values, "mask"):
+        return values.astype("f8").filled(float("nan"))
+    bytes_each = values.dtype.itemsize
+    is_read = values.dtype.isnative and (bytes_each in (4, 8) or (kind != "f" and bytes_each < 4))
+    return values if is_read else values.astype("f8")
 
 
 def read_all(

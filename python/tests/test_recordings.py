@@ -141,6 +141,31 @@ def test_times_of_a_zone_are_read_without_pyarrow_too():
         assert host_sim.read(source)["time"].tolist() == [0.0, 0.001, 0.002]
 
 
+def test_a_named_index_is_a_column_without_pyarrow_too():
+    values = {"position [m]": [0.0, 0.1, 0.2]}
+    for index in (
+        pandas.Index([0.0, 0.001, 0.002], name="time [s]"),
+        pandas.to_timedelta([0, 1, 2], unit="ms").rename("time"),
+        pandas.date_range("2026-03-29", periods=3, freq="1ms", name="time"),
+    ):
+        frame = pandas.DataFrame(values, index=index)
+        for source in (frame, WithoutPyarrow(frame)):
+            assert host_sim.read(source)["time"].tolist() == [0.0, 0.001, 0.002]
+
+
+@pytest.mark.parametrize("kind", [">f8", ">f4", ">i4", ">u2", "<i2", "i1", "f2", "g"])
+def test_numbers_of_numpy_are_read_in_every_width_and_byte_order(kind: str):
+    values = numpy.array([0, 1, 2, 3], dtype=kind)
+    read = host_sim.read({"time [s]": values, "position [m]": values})
+    assert read["time"].tolist() == read["position"].tolist() == [0.0, 1.0, 2.0, 3.0]
+
+
+def test_a_masked_number_of_numpy_leaves_its_row_out():
+    position = numpy.ma.masked_array([0, 99, 2, 3], mask=[False, True, False, False])
+    read = host_sim.read({"time [s]": [0.0, 1.0, 2.0, 3.0], "position [m]": position})
+    assert read["position"].tolist() == [0.0, 2.0, 3.0]
+
+
 def test_a_missing_time_of_numpy_leaves_its_row_out_as_in_a_frame():
     times = numpy.array(["NaT", "2026-01-01T00:00:00", "NaT", "2026-01-01T00:00:01", "2026-01-01T00:00:03"], "M8[ms]")
     columns = {"time": times, "position [m]": numpy.arange(5.0)}
