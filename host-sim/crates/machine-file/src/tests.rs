@@ -87,7 +87,7 @@ fn a_valve_drive_is_read_with_defaults() {
 
 #[test]
 fn a_table_that_was_pasted_twice_says_where_its_lines_belong() {
-    let error = refused("supply", "[channels]\ntime = \"t\"\n[channels]", 8);
+    let error = refused("supply", "[channels]\ntime = \"t\"\n[channels]", 7);
     assert!(error.to_string().contains("belong below the first"), "{error}");
 }
 
