@@ -36,6 +36,17 @@ fn a_valve_that_is_driven_by_a_current_counts_in_milliamperes() {
 }
 
 #[test]
+fn the_slowest_valve_that_the_model_computes_has_a_machine_file_too() {
+    let folder = tempfile::tempdir().unwrap();
+    // Its dead time is 150 ms.
+    done(folder.path(), &PRESS.map(|word| if word == "96ms" { "3s" } else { word }));
+    done(
+        folder.path(),
+        &["simulate", "--machine", "press.toml", "--input", "step:5V", "--tick", "0.5", "--out", "s.csv"],
+    );
+}
+
+#[test]
 fn a_machine_file_comes_out_of_flags_and_says_what_to_do_next() {
     let folder = tempfile::tempdir().unwrap();
     let printed = done(folder.path(), &PRESS);

@@ -56,6 +56,9 @@ impl LoadSource {
     }
 }
 
+/// Ticks in the delay line on the desktop: more than a quarter of a second at any tick.
+pub const DELAY_LINE: usize = 512;
+
 /// A drive as its machine file describes it.
 ///
 /// Fields may be changed; [`MachineFile::save`] then writes the file with these changes and leaves

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use machine_file::LoadSource;
+use machine_file::{DELAY_LINE, LoadSource};
 use model_core::drive::{Drive, DriveState};
 use model_core::machine::{Machine, Tick};
 use model_core::number::{PerUnit, Scalar};
@@ -11,7 +11,7 @@ use recording::Part;
 use crate::arithmetic::Arithmetic;
 use crate::error::SimulateError;
 use crate::grid::Origin;
-use crate::initial_state::{DELAY_LINE, StartOffset, at_start};
+use crate::initial_state::{StartOffset, at_start};
 use crate::run::{Trajectory, computed_below, run_on, unbraked};
 use crate::sensor_fault::Mended;
 use crate::stimulus::{InputPoint, Stimulus};

@@ -3,6 +3,7 @@
 use std::array::from_fn;
 use std::cmp::Reverse;
 
+use machine_file::DELAY_LINE;
 use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError, Parameter};
@@ -11,7 +12,7 @@ use model_core::ports::{ChamberState, Spool};
 use model_core::valve::ValveState;
 use recording::Signal;
 
-use crate::initial_state::{DELAY_LINE, InitialState, StartOffset, ValveOnItsWay};
+use crate::initial_state::{InitialState, StartOffset, ValveOnItsWay};
 use crate::number::simd::{LANES, Lanes};
 use crate::outflow::Edges;
 use crate::run::{Rows, reading, run, through_valve, unbraked};

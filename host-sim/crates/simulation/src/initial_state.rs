@@ -1,5 +1,6 @@
 //! Initial state of a run: that of the recording, with the changes that a fit makes to it.
 
+use machine_file::DELAY_LINE;
 use model_core::drive::{Drive, DriveState};
 use model_core::machine::{Bases, Machine, Parameter, Source};
 use model_core::number::{Real, Scalar};
@@ -9,9 +10,6 @@ use model_core::valve::ValveState;
 use crate::recorded_start::Start;
 use crate::sensor_bias::{PRESSURE_A, PRESSURE_B, SPOOL, behind, within};
 use crate::start_in_motion::SpoolAtStart;
-
-/// Ticks in the delay line on the desktop: more than a quarter of a second at any tick.
-pub const DELAY_LINE: usize = 512;
 
 /// Freedom of a run in addition to the recording: what a fit may change in the initial state.
 #[derive(Clone, Copy, Debug, PartialEq)]

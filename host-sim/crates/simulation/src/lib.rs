@@ -37,13 +37,14 @@ pub use error::SimulateError;
 pub use grid::{between_rows, is_sparse};
 pub use in_chunks::{Advance, InChunks};
 pub use in_lanes::{Run, run_in_lanes};
-pub use initial_state::{DELAY_LINE, StartOffset};
+pub use initial_state::StartOffset;
+pub use machine_file::DELAY_LINE;
 pub use recorded_start::Start;
 pub use run::{SignalsOfRow, Trajectory, computed_below, rows_f64, simulate_f64, simulate_fixed};
 pub use start_in_motion::SpoolAtStart;
 pub use stepper::{Inputs, Kept, Live, OtherArithmetic};
 pub use stimulus::coarse::Coarser;
 pub use stimulus::{
-    InputPoint, RunningSum, Stimulus, first_carried, first_input_point, is_driven_by_pressures, natural_tick, tick_for,
+    InputPoint, RunningSum, Stimulus, first_input_point, is_carried, is_driven_by_pressures, natural_tick, tick_for,
 };
 pub use whitening::Whitening;

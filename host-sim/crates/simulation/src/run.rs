@@ -3,13 +3,14 @@
 //! A [`Stimulus`] is a recording on the core's tick grid. [`run`] steps the core over it in any number type and hands out
 //! the signals at the recorded rows.
 
+use machine_file::DELAY_LINE;
 use model_core::drive::{Drive, DriveInput, DriveState};
 use model_core::machine::{Machine, MachineError, Parameter};
 use model_core::number::{Field, Number, PerUnit, Real, Scalar};
 use model_core::ports::{ChamberState, Flows, Spool};
 use recording::Signal;
 
-use crate::initial_state::{DELAY_LINE, Offset, StartOffset, at_start};
+use crate::initial_state::{Offset, StartOffset, at_start};
 use crate::outflow::{Below, Edges};
 use crate::sensor_bias::{true_spool, within};
 use crate::stimulus::{InputPoint, Stimulus};

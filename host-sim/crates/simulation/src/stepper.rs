@@ -2,6 +2,7 @@
 //!
 //! It starts, steps and reads as [`run`](crate::run::run) does for a recording of the same inputs, bit for bit.
 
+use machine_file::DELAY_LINE;
 use model_core::drive::{Drive, DriveInput, DriveState, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Machine, MachineError, Source, Tick};
@@ -9,7 +10,7 @@ use model_core::number::{PerUnit, Scalar};
 use recording::Signal;
 
 use crate::arithmetic::Arithmetic;
-use crate::initial_state::{DELAY_LINE, StartOffset, at_start};
+use crate::initial_state::{StartOffset, at_start};
 use crate::recorded_start::Start;
 use crate::run::reading;
 use crate::stimulus::sign;

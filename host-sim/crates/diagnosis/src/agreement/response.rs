@@ -9,7 +9,7 @@ use simulation::signal::correlation::{correlation, deviation, rows_early};
 use simulation::signal::noise::extent;
 use simulation::signal::slope::slopes;
 use simulation::signal::window::rows_in;
-use simulation::{InputPoint, StartOffset, first_carried, first_input_point, natural_tick, simulate_f64, tick_for};
+use simulation::{InputPoint, StartOffset, first_input_point, is_carried, natural_tick, simulate_f64, tick_for};
 
 use super::change::{Change, rows};
 use super::scale::factors_of;
@@ -146,9 +146,11 @@ pub(super) fn prepared(
     machine: &Machine<f64>,
     load: LoadSource,
 ) -> Result<Prepared, CompareError> {
-    let natural = natural_tick(recording);
-    let coarse = if natural == Tick::HalfMillisecond { Tick::OneMillisecond } else { Tick::TwoMilliseconds };
-    let tick = first_carried(machine, [coarse, natural]).unwrap_or_else(|| tick_for(recording, machine));
+    let coarse = match natural_tick(recording) {
+        Tick::HalfMillisecond => Tick::OneMillisecond,
+        _ => Tick::TwoMilliseconds,
+    };
+    let tick = if is_carried(machine, coarse) { coarse } else { tick_for(recording, machine) };
     Prepared::entered_at(first_input_point(machine.source, recording)?, recording, machine, load, Some(tick))
 }
 

@@ -62,6 +62,12 @@ const FOLLOWS_PERCENT: f64 = 99.5;
 const BEYOND_SWAY: f64 = 2.0;
 
 impl Weakest {
+    /// Whether it is a part by itself whose misfit says nothing about physics: small errors of sensors and parameters cause as much.
+    #[must_use]
+    pub fn cannot_be_judged(&self) -> bool {
+        !self.is_judged && self.section != Section::EndToEnd
+    }
+
     /// Whether even this part follows its recordings within the noise, so that nothing indicates missing physics.
     #[must_use]
     pub fn follows(&self) -> bool {

@@ -8,13 +8,10 @@ use model_core::number::PerUnit;
 use recording::files::source_error::{Place, rounded};
 
 use super::derive::{Derived, Origin};
-use crate::{MachineFileError, read_text};
+use crate::{DELAY_LINE, MachineFileError, read_text};
 
 /// Comments begin in this column, unless the line before them is longer.
 const COMMENTS: usize = 47;
-
-/// Ticks of the delay line of a drive that is built to see whether its values fit.
-const DELAY_LINE: usize = 256;
 
 /// The text of a machine file that the program takes. `file` stands for it in messages, `name` is the drive's.
 ///

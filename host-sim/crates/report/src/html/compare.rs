@@ -112,10 +112,10 @@ fn headline(all: &[Compared<'_>]) -> Markup {
         let (part, fit) = (format!("{}, {}", found.section, found.signal), percent(found.nrmse_percent));
         return html! {
             @if found.follows() { h1 class="nothing" { "Every part that could be judged follows; the weakest is " (part) " at " (fit) " %." } }
-            @else if found.is_judged || found.section == Section::EndToEnd {
-                h1 class=[found.is_judged.then_some("missing")] { "The weakest part is " (part) " at " (fit) " %." }
+            @else if found.cannot_be_judged() {
+                h1 { "No part that can be judged by itself misses its recordings. The weakest, " (part) " at " (fit) " %, cannot be judged." }
             }
-            @else { h1 { "No part that can be judged by itself misses its recordings; " (part) " at " (fit) " % cannot be." } }
+            @else { h1 class=[found.is_judged.then_some("missing")] { "The weakest part is " (part) " at " (fit) " %." } }
         };
     }
     let means: Vec<Vec<(Signal, f64)>> = all.iter().map(|one| mean_fits(one.comparisons)).collect();

@@ -91,7 +91,7 @@ fn meaning(found: Weakest, whole: Option<(Signal, f64)>) -> String {
         return "Every part follows its recordings to about their noise; there is no sign of missing physics."
             .to_owned();
     }
-    if !found.is_judged && found.section != Section::EndToEnd {
+    if found.cannot_be_judged() {
         return match whole {
             Some((signal, fit)) => format!(
                 "No part that can be judged by itself misses its recordings. But end to end {signal} is at {} %, more than small errors of\n\

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use load_balance::{balance, light_damping, pressure_force};
 
-use machine_file::LoadSource;
+use machine_file::{DELAY_LINE, LoadSource};
 use model_core::drive::Drive;
 use model_core::drive::{DriveInput, Load};
 use model_core::flow::PumpDrive;
@@ -21,7 +21,6 @@ use recording::{Recording, Signal};
 
 use crate::error::SimulateError;
 use crate::grid::{Grid, Origin, is_sparse};
-use crate::initial_state::DELAY_LINE;
 use crate::recorded_start::{Start, start};
 use crate::sensor_fault::Mended;
 use crate::whitening::Whitening;
@@ -120,12 +119,14 @@ pub fn natural_tick(recording: &Recording) -> Tick {
 pub fn tick_for(recording: &Recording, machine: &Machine<f64>) -> Tick {
     let natural = natural_tick(recording);
     let sparse = is_sparse(recording.time_s()).then_some(Tick::TwoMilliseconds);
-    first_carried(machine, sparse.into_iter().chain([natural, Tick::HalfMillisecond])).unwrap_or(natural)
+    let mut ticks = sparse.into_iter().chain([natural, Tick::HalfMillisecond]);
+    ticks.find(|tick| is_carried(machine, *tick)).unwrap_or(natural)
 }
 
-/// The first of these ticks at which the step computes the machine.
-pub fn first_carried(machine: &Machine<f64>, ticks: impl IntoIterator<Item = Tick>) -> Option<Tick> {
-    ticks.into_iter().find(|tick| Drive::<PerUnit>::new::<DELAY_LINE>(machine, *tick).is_ok())
+/// Whether the step computes the machine at this tick.
+#[must_use]
+pub fn is_carried(machine: &Machine<f64>, tick: Tick) -> bool {
+    Drive::<PerUnit>::new::<DELAY_LINE>(machine, tick).is_ok()
 }
 
 impl Stimulus {
