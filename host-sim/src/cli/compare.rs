@@ -35,11 +35,13 @@ use super::target::{Target, check_targets, write, write_document};
   host-sim compare run.csv --machine before.toml --machine after.toml --report C.html
   host-sim compare run.csv --machine M.toml --exit-code --tolerance 97
 
-NRMSE fit is 100·(1 − ‖y − ŷ‖/‖y − mean y‖) %: 100 is perfect, 0 no better than the mean. A section is simulated from its own
-measured input, so that a miss in it is made in it. Several machine files, each by a --machine of its own, are compared with the same
-recordings; drawings show them over each other.")]
+NRMSE fit is 100·(1 − ‖y − ŷ‖/‖y − mean y‖) %: 100 is perfect, 0 no better than the mean. A section \
+is simulated from its own measured input, so that a miss in it is made in it. Several machine files, \
+each by a --machine of its own, are compared with the same recordings; drawings show them over each \
+other.
+Recordings: CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz.")]
 pub struct Arguments {
-    /// Recordings to compare with (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    /// Recordings to compare with
     #[arg(value_name = "R.csv", required_unless_present = "recording")]
     files: Vec<PathBuf>,
     /// Machine file of the drive (TOML, SI units); may be repeated
@@ -50,19 +52,25 @@ pub struct Arguments {
     recording: Vec<PathBuf>,
     #[command(flatten)]
     model: ModelArguments,
-    /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
+    /// Judge by these signals only: `spool,pressure_a`
+    ///
+    /// As though the model's others had not been measured
     #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judged::named)]
     judge: Vec<Signal>,
-    /// Draw recorded against simulated, with the residual below; for several recordings a file each, named after it
+    /// Draw recorded against simulated, with the residual below
+    ///
+    /// For several recordings a file each, named after it
     #[arg(long, value_name = "P.svg")]
     plot: Option<PathBuf>,
     /// Write every fit for programs; `-` prints it in place of the text
     #[arg(long, value_name = "C.json")]
     json: Option<PathBuf>,
-    /// Write a page for people: every signal recorded and simulated, and the residuals with their correlations
+    /// Write a page for people: every signal, residuals, correlations
     #[arg(long, value_name = "C.html")]
     report: Option<PathBuf>,
-    /// Answer 1 when a signal's fit end to end is below the tolerance, by any of the machine files
+    /// Answer 1 when a signal's fit end to end is below the tolerance
+    ///
+    /// By any of the machine files
     #[arg(long)]
     exit_code: bool,
     /// Lowest NRMSE fit that is in tolerance, %

@@ -30,40 +30,50 @@ host-sim diagnose [OPTIONS] <FOLDER>
        host-sim diagnose [OPTIONS] --since <THEN>... <FOLDER>")]
 #[command(after_help = "Examples:
   host-sim diagnose examples/press-63-40
-  host-sim diagnose --machine M.toml --train a.csv b.csv c.csv --holdout d.csv --json D.json --save-machine F.toml --report D.html
+  host-sim diagnose --machine M.toml --train a.csv b.csv c.csv --holdout d.csv \\
+      --json D.json --save-machine F.toml --report D.html
   host-sim diagnose --since F.toml --train a-year-later.csv another.csv --holdout third.csv
 
-Training recordings make the choice, each left out in turn; the held-out ones are opened once, after it, to confirm or veto.
-The report of a FOLDER goes to diagnosis-<name>.html in the working folder unless --report says otherwise.")]
+Training recordings make the choice, each left out in turn; the held-out ones are opened once, after \
+it, to confirm or veto. The report of a FOLDER goes to diagnosis-<name>.html in the working folder \
+unless --report says otherwise.
+Recordings: CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz.")]
 pub struct Arguments {
-    /// Folder with machine.toml, train-* and holdout-* (.csv, .txt, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    /// Folder with machine.toml, train-* and holdout-*
     #[arg(value_name = "FOLDER", required_unless_present_any = ["machine", "since"], conflicts_with_all = ["machine", "train", "holdout"])]
     folder: Option<PathBuf>,
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml", requires = "train")]
     machine: Option<PathBuf>,
-    /// What has changed since this machine file was written: it stands in the place of --machine or of the folder's own, and the effects that it holds
-    /// may have become more or less. Or since these recordings were made, which are diagnosed first. A folder at their end is FOLDER
+    /// What has changed since this machine file was written, or since these recordings were made
+    ///
+    /// The file stands in the place of --machine or of the folder's own, and the effects that it holds may have become more or less. Recordings of then
+    /// are diagnosed first. A folder at their end is FOLDER
     #[arg(long, value_name = "THEN", num_args = 1..)]
     since: Vec<PathBuf>,
-    /// Recordings to train on (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    /// Recordings to train on
     #[arg(long, value_name = "R.csv", num_args = 1..)]
     train: Vec<PathBuf>,
-    /// Recordings to confirm on, never used to choose (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    /// Recordings to confirm on, never used to choose
     #[arg(long, value_name = "R.csv", num_args = 1..)]
     holdout: Vec<PathBuf>,
-    /// Which column holds a signal, where its header does not say; may be repeated
+    /// Column of a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
-    /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
+    /// Judge by these signals only: `spool,pressure_a`
+    ///
+    /// As though the model's others had not been measured
     #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judged::named)]
     judge: Vec<Signal>,
-    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz
+    /// Step of the model in ms
+    ///
+    /// Without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz
     #[arg(long, value_enum, value_name = "ms")]
     tick: Option<input::TickArgument>,
-    /// What the search may take, in s on two cores; without it 5 minutes. It is counted in simulated ticks at a fixed price and not by a clock, so that the same input gives the
-    /// same answer on every machine: a slow or busy machine takes longer. A search that reaches the limit ends with the step that it is in, says what it
-    /// did not try and what was slow, and claims nothing
+    /// What the search may take, in s on two usual cores; it then ends and claims nothing
+    ///
+    /// It is counted in simulated ticks at a fixed price and not by a clock, so that the same input gives the same answer on every machine: a slow or busy
+    /// machine takes longer. A search that reaches the limit ends with the step that it is in, and says what it did not try and what was slow
     #[arg(long, value_name = "s", default_value_t = Options::USUAL_LIMIT_S, value_parser = seconds, allow_negative_numbers = true)]
     time_limit: f64,
     /// Write the diagnosis for programs; `-` prints it in place of the text
@@ -78,7 +88,9 @@ pub struct Arguments {
     /// Draw the first held-out recording: recorded, before and after
     #[arg(long, value_name = "P.svg")]
     plot: Option<PathBuf>,
-    /// Take the recordings as they are, even where a channel is certainly reversed, exchanged or in another unit
+    /// Take the recordings as they are
+    ///
+    /// Even where a channel is certainly reversed, exchanged or in another unit
     #[arg(long)]
     as_recorded: bool,
     /// Answer 1 when something is missing or unexplained

@@ -19,8 +19,8 @@ use super::testbed::refuse_others;
 #[command(after_help = "Example:
   host-sim testbed draw --seed 7 --count 20 --effects mixed --out cases
 
-Every case is a folder with machine.toml (nominal values, off the truth by what [fit.sigma] says), train-1.csv … and
-holdout-1.csv …; truth.json says what each conceals. The same arguments make the same files, and a case is the same
+Every case is a folder with machine.toml (nominal values, off the truth by what [fit.sigma] says), train-1.csv … and \
+holdout-1.csv …; truth.json says what each conceals. The same arguments make the same files, and a case is the same \
 whatever the count.")]
 pub struct Arguments {
     /// Seed of everything

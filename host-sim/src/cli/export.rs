@@ -24,19 +24,18 @@ use super::target::{
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   host-sim export --machine M.toml --out params.rs
-  host-sim export --machine M.toml --bake --out params.rs
   host-sim export --machine M.toml --bake --number f32 --out params.rs
-  host-sim export --machine M.toml --out params.h
   host-sim export --machine M.toml --bake --out drive.h
   host-sim export --machine M.toml --out drive.fmu
   host-sim export --machine M.toml --fmi 2.0 --out drive.fmu
 
-Constants: name, source of oil, tick, length of the delay line, and SI values with the effects; in Rust every value that is not
-the default, in C99 every value that the drive uses. The firmware builds its fixed-point coefficients from them by the code that
-builds them here; a drive that they cannot hold is refused with the value that does not fit. With --bake the coefficients are in the
-Rust source too, as constants: the controller computes none, and its program holds only the effects that the drive has; in C99 it
-is the header of the static library that `cargo build --release -p drive-c` makes from that Rust source.
-FMU: the model for co-simulation by FMI 3.0 or 2.0, with the library that `cargo build --release -p drive-fmu` has put beside this program.")]
+Constants: SI values, from which the firmware builds its coefficients by the code that builds them \
+here. With --bake the coefficients are constants of the Rust source too: the controller computes none, \
+and its program holds only the effects that the drive has; in C99 it is the header of the static \
+library that `cargo build --release -p drive-c` makes from that source. A drive that the coefficients \
+cannot hold is refused with the value that does not fit.
+FMU: the model for co-simulation by FMI 3.0 or 2.0, with the library that \
+`cargo build --release -p drive-fmu` has put beside this program.")]
 pub struct Arguments {
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml")]
@@ -44,7 +43,9 @@ pub struct Arguments {
     /// Control period of the firmware, step of the FMU's model, in ms
     #[arg(long, value_enum, value_name = "ms", default_value = "1")]
     tick: TickArgument,
-    /// Where to write; .rs becomes Rust, .h C99, .fmu an FMU; - is standard output, with --format
+    /// Where to write: .rs is Rust, .h C99, .fmu an FMU; - is standard output
+    ///
+    /// Standard output needs --format
     #[arg(long, value_name = "params.rs")]
     out: PathBuf,
     /// What to write, whatever the file is called
@@ -53,13 +54,19 @@ pub struct Arguments {
     /// Rust: with the coefficients as constants; C99: the header of the library of such a drive
     #[arg(long)]
     bake: bool,
-    /// Number type of a baked drive: fixed point, the default, or f32 for a controller with an FPU, in Rust alone
+    /// Number type of a baked drive; fixed without it
+    ///
+    /// f32 is for a controller with an FPU, in Rust alone
     #[arg(long, value_enum)]
     number: Option<NumberArgument>,
-    /// Number type of an FMU; fixed is what the controller computes, and the default
+    /// Number type of an FMU; fixed without it
+    ///
+    /// Fixed is what the controller computes
     #[arg(long, value_enum)]
     arithmetic: Option<ArithmeticArgument>,
-    /// Version of the standard that an FMU follows; 3.0 is the default, 2.0 is for tools that do not read it
+    /// Version of the standard that an FMU follows; 3.0 without it
+    ///
+    /// 2.0 is for tools that do not read 3.0
     #[arg(long, value_enum, value_name = "version")]
     fmi: Option<FmiArgument>,
     /// Shared library to put into an FMU, in place of the one beside this program

@@ -20,12 +20,15 @@ use super::{Outcome, input};
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   host-sim fit train-1.csv train-2.csv --machine M.toml --save-machine F.toml
-  host-sim fit train-1.csv train-2.csv --machine M.toml --holdout holdout.csv --report F.html --save-machine F.toml
+  host-sim fit train-1.csv train-2.csv --machine M.toml --holdout holdout.csv \\
+      --report F.html --save-machine F.toml
 
-The parameters of [fit.sigma] move, each around its nominal value by its standard deviation; without that table the usually
-uncertain ones that the file gives, by a tenth. Held-out recordings take no part in the fit: they show what it is worth.")]
+The parameters of [fit.sigma] move, each around its nominal value by its standard deviation; without \
+that table the usually uncertain ones that the file gives, by a tenth. Held-out recordings take no \
+part in the fit: they show what it is worth.
+Recordings: CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz.")]
 pub struct Arguments {
-    /// Recordings to fit to (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    /// Recordings to fit to
     #[arg(value_name = "R.csv", required_unless_present = "train")]
     files: Vec<PathBuf>,
     /// Machine file of the drive (TOML, SI units)
@@ -37,16 +40,22 @@ pub struct Arguments {
     /// Recordings that take no part in the fit, to judge it by
     #[arg(long, value_name = "R.csv", num_args = 1..)]
     holdout: Vec<PathBuf>,
-    /// Which column holds a signal, where its header does not say; may be repeated
+    /// Column of a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
-    /// Judge by these signals only, as though the model's others had not been measured: `spool,pressure_a`
+    /// Judge by these signals only: `spool,pressure_a`
+    ///
+    /// As though the model's others had not been measured
     #[arg(long, value_name = "signal,…", value_delimiter = ',', value_parser = judged::named)]
     judge: Vec<Signal>,
-    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz
+    /// Step of the model in ms
+    ///
+    /// Without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz
     #[arg(long, value_enum, value_name = "ms")]
     tick: Option<input::TickArgument>,
-    /// Take the recordings as they are, even where a channel is certainly reversed, exchanged or in another unit
+    /// Take the recordings as they are
+    ///
+    /// Even where a channel is certainly reversed, exchanged or in another unit
     #[arg(long)]
     as_recorded: bool,
     /// Where to write the machine file with fitted values
@@ -55,7 +64,7 @@ pub struct Arguments {
     /// Write the fitted values and what is left for programs; `-` prints it in place of the text
     #[arg(long, value_name = "F.json")]
     json: Option<PathBuf>,
-    /// Write a page for people: the values before and after, every signal recorded and simulated, and the residuals
+    /// Write a page for people: values before and after, signals, residuals
     #[arg(long, value_name = "F.html")]
     report: Option<PathBuf>,
 }

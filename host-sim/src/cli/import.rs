@@ -18,10 +18,10 @@ use crate::frames::{self, ImportError, MAX_CAPTURE_BYTES};
 #[command(after_help = "Example:
   host-sim import --frames recorder.bin --out run.csv
 
-Reads what the firmware's recorder streams out over a serial line, as it was captured, and writes a recording: one row a control
-period, SI units. A recording ends at its end or where frames are missing: rows behind a gap are left out and counted, as they may be
-those of another recording. A capture may hold several recordings: --which says
-which one.")]
+Reads what the firmware's recorder streams out over a serial line, as it was captured, and writes a \
+recording: one row a control period, SI units. A recording ends at its end or where frames are missing: \
+rows behind a gap are left out and counted, as they may be those of another recording. A capture may \
+hold several recordings: --which says which one.")]
 pub struct Arguments {
     /// Captured bytes
     #[arg(long, value_name = "recorder.bin")]

@@ -20,20 +20,25 @@ use super::target::{check_targets, tell, write};
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   host-sim init
-  host-sim init --out press.toml --bore 63mm --rod 40mm --stroke 300mm --mass 18.3kg --supply 70bar --rated-flow 5l/min \\
-      --rated-drop 5bar --rated-signal 10V --valve-response 96ms --overlap 17.7% --spool-at-rated 59.35%
-  host-sim init --out press.toml --bore 63mm --rod 40mm --stroke 300mm --mass 40kg --supply 150bar --pump-displacement 16cm3/rev
+  host-sim init --out press.toml --bore 63mm --rod 40mm --stroke 300mm --mass 18kg --supply 70bar \\
+      --rated-flow 5l/min --rated-drop 5bar --rated-signal 10V --valve-response 96ms --overlap 17.7%
+  host-sim init --out press.toml --bore 63mm --rod 40mm --stroke 300mm --mass 40kg --supply 150bar \\
+      --pump-displacement 16cm3/rev
 
-A mass that a recorded force moves has no data sheet of valve or pump, and a machine file of a few lines: docs/faq.md has one.
+What a data sheet may give besides, explained by `host-sim man init`: --valve-damping --overlap \
+--spool-at-rated --valve-stroke-time --flow-limit --hose-length --hose-diameter --dead-volume \
+--bulk-modulus --friction --load
 
-On a terminal, what no flag gives is asked for; elsewhere a flag that is required and not given is an error, which names all of
-them. Every value of the file says whether it was given, derived by which formula, or
-assumed and why; [fit.sigma] is narrow for what was given and wide for what was assumed, so that `fit` may move it.")]
+On a terminal, what no flag gives is asked for; elsewhere a flag that is required and not given is an \
+error, which names all of them. Every value of the file says whether it was given, derived by which \
+formula, or assumed and why; [fit.sigma] is narrow for what was given and wide for what was assumed, so \
+that `fit` may move it. A mass that a recorded force moves has no data sheet of valve or pump, and a \
+machine file of a few lines: docs/faq.md has one.")]
 pub struct Arguments {
     #[command(flatten)]
     answers: AnswerArguments,
-    /// Over what the rated pressure drop of the valve stands
-    #[arg(long, value_enum, default_value_t)]
+    /// Over what the rated pressure drop stands
+    #[arg(long, value_enum, default_value_t, value_name = "edge|both", hide_possible_values = true)]
     rated_drop_over: EdgesArgument,
     /// What the drive is called; without it, as the file
     #[arg(long, value_name = "name")]
@@ -44,7 +49,7 @@ pub struct Arguments {
     /// Write over a file that is there
     #[arg(long)]
     force: bool,
-    /// Write every value with where it comes from for programs; `-` prints it in place of the text
+    /// Write every value and its source for programs; `-` prints it
     #[arg(long, value_name = "I.json")]
     json: Option<PathBuf>,
 }
@@ -72,24 +77,34 @@ impl From<EdgesArgument> for Edges {
 #[derive(Clone, Debug, Default)]
 struct AnswerArguments(Answers);
 
+/// The flags beside this one.
+fn others(flags: &[&str], flag: &str) -> String {
+    flags.iter().filter(|other| **other != flag).map(|other| format!("--{other}")).collect::<Vec<_>>().join(" or ")
+}
+
 /// The flags come from the table of items.
 impl clap::Args for AnswerArguments {
     fn augment_args(command: Command) -> Command {
         Item::ALL.iter().fold(command, |command, &item| {
             let question = item.question();
-            let help = match question.need {
-                Need::Always => format!("{} [required]", question.what),
-                Need::OfValve => format!("{} [required for a valve]", question.what),
-                Need::MakesPump => format!("{} [required for a pump]", question.what),
+            let (heading, need) = match question.need {
+                Need::Always => ("Cylinder, load and supply (required)", "[required]".to_owned()),
+                Need::OfValve => ("Valve (required)", "[required for a valve]".to_owned()),
                 Need::OneOf(flags) => {
-                    format!("{} [one of {} is required for a valve]", question.what, flags.join(", "))
+                    let others = others(flags, question.flag);
+                    ("Speed of the valve (one is required)", format!("[this or {others} is required for a valve]"))
                 }
+                Need::MakesPump => ("Pump in place of a valve", "[required for a pump]".to_owned()),
                 Need::May(otherwise) | Need::MayOfValve(otherwise) => {
-                    format!("{}; without it, {otherwise}", question.what)
+                    ("If known", format!("[without it: {otherwise}]"))
                 }
             };
             let parse = move |text: &str| item.parse(text);
-            let flag = Arg::new(question.flag).long(question.flag).value_name(question.example).help(help);
+            let flag = Arg::new(question.flag).long(question.flag).value_name(question.example).help_heading(heading);
+            // One screen: what is longer, and what may be left away, stands in the manual page.
+            let short = question.what.split(';').next().unwrap_or_default();
+            let flag = flag.help(short).long_help(format!("{} {need}", question.what));
+            let flag = flag.hide_short_help(matches!(question.need, Need::May(_) | Need::MayOfValve(_)));
             command.arg(flag.allow_hyphen_values(item == Item::Load).value_parser(parse))
         })
     }

@@ -30,13 +30,15 @@ pub struct MachineArguments {
 /// How recordings are to be read, and how a drive is computed.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ModelArguments {
-    /// Which column holds a signal, where its header does not say; may be repeated
+    /// Column of a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     pub maps: Vec<String>,
     /// Number type of the simulation; fixed is what the controller computes
     #[arg(long, value_enum, default_value_t)]
     pub arithmetic: ArithmeticArgument,
-    /// Step of the model in ms; without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz
+    /// Step of the model in ms
+    ///
+    /// Without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz
     #[arg(long, value_enum, value_name = "ms")]
     pub tick: Option<TickArgument>,
 }

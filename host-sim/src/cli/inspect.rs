@@ -21,27 +21,31 @@ use super::{Outcome, input};
   host-sim inspect run.csv
   host-sim inspect train-1.csv train-2.csv --machine M.toml --json I.json --report I.html
 
-Says of each recording which signals it holds with their noise and steps, which links of the drive it can test and what is missing
-to test the others, and whether valve and rod were moved. With a machine file also against its dead zone, stroke and supply.
+Says of each recording which signals it holds with their noise and steps, which links of the drive it \
+can test and what is missing to test the others, and whether valve and rod were moved. With a machine \
+file also against its dead zone, stroke and supply.
+Recordings: CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz.
 
-A column is known by its name with a unit, such as `position [mm]`. One that is called otherwise is mapped, here by
---map \"position=Kolbenweg [mm]\", for all recordings of a drive in the machine file by a line `position = \"Kolbenweg [mm]\"` in
-[channels]. Where no header is known, a block [channels] is guessed, to be checked and pasted. Names: time command spool flow pump_speed valve_direction pressure_a pressure_b supply_pressure tank_pressure
-other_flow other_flow_2 other_flow_3 load_force force position velocity angle oil_temperature reference")]
+A column is known by its name with a unit, such as `position [mm]`. One that is called otherwise is \
+mapped, here by --map \"position=Kolbenweg [mm]\", for all recordings of a drive in the machine file by \
+a line `position = \"Kolbenweg [mm]\"` in [channels]. Where no header is known, a block [channels] is \
+guessed, to be checked and pasted. Names: time command spool flow pump_speed valve_direction \
+pressure_a pressure_b supply_pressure tank_pressure other_flow other_flow_2 other_flow_3 load_force \
+force position velocity angle oil_temperature reference")]
 pub struct Arguments {
-    /// Recordings (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    /// Recordings
     #[arg(value_name = "R.csv", required = true)]
     recordings: Vec<PathBuf>,
     /// Machine file of the drive (TOML, SI units)
     #[arg(long, value_name = "M.toml")]
     machine: Option<PathBuf>,
-    /// Which column holds a signal, where its header does not say; may be repeated
+    /// Column of a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
     /// Write what was found for programs; `-` prints it in place of the text
     #[arg(long, value_name = "I.json")]
     json: Option<PathBuf>,
-    /// Write a page for people: every channel over time with what is suspicious marked, and which links can be tested
+    /// Write a page for people: every channel, what is suspicious, which links can be tested
     #[arg(long, value_name = "I.html")]
     report: Option<PathBuf>,
 }

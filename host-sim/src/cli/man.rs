@@ -13,10 +13,13 @@ use super::{Cli, Outcome};
 /// Arguments of `man`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
-  host-sim man | man -l -
+  host-sim man init | man -l -
   host-sim man --out ~/.local/share/man/man1")]
 pub struct Arguments {
-    /// Folder for a page of the program and one of each command, made where it is not there; without it the program's page is printed
+    /// Command whose page is printed; without it the program's
+    #[arg(value_name = "COMMAND", conflicts_with = "out", value_parser = known)]
+    command: Option<String>,
+    /// Folder for a page of the program and one of each command, made where it is not there
     #[arg(long, value_name = "folder")]
     out: Option<PathBuf>,
 }
@@ -25,7 +28,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let mut cli = Cli::command();
     cli.build();
     let Some(folder) = &arguments.out else {
-        console.print(page(&cli).1.trim_end())?;
+        let asked = arguments.command.as_deref().and_then(|name| cli.find_subcommand(name));
+        console.print(page(asked.unwrap_or(&cli)).1.trim_end())?;
         return Ok(Outcome::Done);
     };
     check_folder(folder)?;
@@ -38,6 +42,16 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         console.print(path.display())?;
     }
     Ok(Outcome::Done)
+}
+
+/// A command of the program.
+fn known(name: &str) -> Result<String, String> {
+    let names: Vec<String> = Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+    if names.iter().any(|known| known == name) {
+        Ok(name.to_owned())
+    } else {
+        Err(format!("`{name}` is no command; expected one of {}", names.join(", ")))
+    }
 }
 
 /// The pages of a command and of its commands.

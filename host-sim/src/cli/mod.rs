@@ -47,7 +47,7 @@ pub use interrupt::{INTERRUPTED, stop_cleanly};
 
 /// Simulates and compares valve-controlled hydraulic drives against recordings.
 #[derive(Debug, clap::Parser)]
-#[command(name = "host-sim", version, max_term_width = 110, arg_required_else_help = true, disable_help_flag = true)]
+#[command(name = "host-sim", version, max_term_width = 100, arg_required_else_help = true, disable_help_flag = true)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -59,7 +59,7 @@ pub struct Cli {
     #[arg(long, short, global = true, conflicts_with = "quiet", display_order = 901)]
     verbose: bool,
     // One screen: what is longer stands in the manual page.
-    /// Print this help; `host-sim man` has more
+    /// Print this help; `host-sim man COMMAND` has more
     #[arg(long, short, global = true, action = clap::ArgAction::HelpShort, display_order = 902)]
     help: Option<bool>,
 }
@@ -107,7 +107,7 @@ pub enum Command {
     Studio(studio::Arguments),
     /// Print what a shell needs to complete commands and options.
     Completions(completions::Arguments),
-    /// Write manual pages.
+    /// Print or write manual pages.
     Man(man::Arguments),
 }
 

@@ -23,18 +23,18 @@ use crate::played::Played;
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   host-sim plan --machine M.toml --sensors position:0.05mm,pressure_a:0.2bar,pressure_b:0.2bar
-  host-sim plan --machine M.toml --sensors position --input \"random:10V\" --out excitation.csv --plot matrix.svg
+  host-sim plan --machine M.toml --sensors position --input \"random:10V\" --plot matrix.svg
   host-sim plan first.csv --machine M.toml
-  host-sim plan --machine M.toml --sensors spool,position,pressure_a,pressure_b --largest 4 --seconds 6 --firmware plan.rs
+  host-sim plan --machine M.toml --sensors spool,position --largest 4 --seconds 6 --firmware plan.rs
 
-Every effect is switched on in the model, as it usually is; what a refit would imitate is taken out; what is left decides whether it
-would be accepted, and which effects would pass for each other, by the rules of `diagnose`. Sensors are position, velocity, spool, flow,
-force, pressure_a, pressure_b, supply_pressure, each with the standard deviation of its noise (usual noise without). With
-a recording its sensors and their noise are those at hand. The excitation that separates most is the best choice of the standard tests
-within --seconds; --out writes it, time and command; --firmware writes it for the shipped firmware, whose reference model it drives
-while the loops make the drive follow. The rod starts at mid-stroke.")]
+Every effect is switched on in the model, as it usually is; what a refit would imitate is taken out; \
+what is left decides whether it would be accepted, and which effects would pass for each other, by the \
+rules of `diagnose`. Sensors are position, velocity, spool, flow, force, pressure_a, pressure_b, \
+supply_pressure, each with the standard deviation of its noise (usual noise without). With a recording \
+its sensors and their noise are those at hand. The excitation that separates most is the best choice of \
+the standard tests within --seconds. The rod starts at mid-stroke.")]
 pub struct Arguments {
-    /// Recording whose excitation is judged beside the best one (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    /// Recording whose excitation is judged, too
     #[arg(value_name = "R.csv", conflicts_with_all = ["recording", "input"])]
     file: Option<PathBuf>,
     /// Machine file of the drive (TOML, SI units)
@@ -43,16 +43,18 @@ pub struct Arguments {
     /// Sensors at hand, each with its noise: `position:0.05mm,spool`
     #[arg(long, value_name = "sensor,…", value_delimiter = ',', required_unless_present_any = ["recording", "file"])]
     sensors: Vec<String>,
-    /// Excitation that is judged beside the best one, such as "steps:4V"
+    /// Excitation that is judged, too, such as "steps:4V"
     #[arg(long, value_name = "signal", conflicts_with = "recording")]
     input: Option<String>,
     /// The recording, as an option
     #[arg(long, value_name = "R.csv")]
     recording: Option<PathBuf>,
-    /// Which column holds a signal, where its header does not say; may be repeated
+    /// Column of a signal, where its header does not say; may be repeated
     #[arg(long = "map", value_name = "name=header")]
     maps: Vec<String>,
-    /// Largest command, V; without it that of the excitation at hand, or 10
+    /// Largest command, V
+    ///
+    /// Without it that of the excitation at hand, or 10
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
     largest: Option<f64>,
     /// Longest excitation, s
@@ -64,7 +66,9 @@ pub struct Arguments {
     /// Write the excitation that separates most (CSV)
     #[arg(long, value_name = "E.csv")]
     out: Option<PathBuf>,
-    /// Write it for the firmware, which plays it (Rust): build with `FIRMWARE_PLAN=E.rs`
+    /// Write it for the firmware, which plays it: build with `FIRMWARE_PLAN=E.rs`
+    ///
+    /// The plan drives the firmware's reference model while the loops make the drive follow
     #[arg(long, value_name = "E.rs", conflicts_with = "with_load")]
     firmware: Option<PathBuf>,
     /// Write the plan for programs; `-` prints it in place of the text

@@ -30,27 +30,34 @@ use super::target::{check_one_output, check_targets, tell, unwritten, write};
 
 /// Arguments of `simulate`.
 #[derive(Clone, Debug, clap::Args)]
+#[command(override_usage = "\
+host-sim simulate [OPTIONS] --machine <M.toml> --out <S.csv> --recording <R.csv>
+       host-sim simulate [OPTIONS] --machine <M.toml> --out <S.csv> --input <signal>")]
 #[command(after_help = "Examples:
   host-sim simulate --machine M.toml --recording run.csv --out simulated.csv
   host-sim simulate --machine M.toml --input \"step:4V\" --out step.csv
 
-With --recording the file holds one row per recorded row in the recording's own columns and units; the signals that the model
-computes are replaced, with a linkage in the machine file also the joint's angle, which is added where it was not recorded; where its sensor reached an end of its range, a signal ends there. Where the recording has none of these, they are added in SI units. A row with a repeated time or an empty
-cell keeps what it holds and gets the signals at its time. With --input the drive starts at mid-stroke, at rest, and every signal is
-written in SI units: spool, position, velocity, both pressures, flow into A, force of the oil.
-Inputs: zero:2s  step:4V,0.5s  steps:4V  sweep:6.5V,0.4Hz,5Hz,4s  random:10V,0.08s,0.5s,4s,seed=1  triangle:2V,0.5Hz,4s")]
+With --recording the file holds one row per recorded row in the recording's own columns and units; the \
+signals that the model computes are replaced, or added in SI units where the recording has none. With a \
+linkage in the machine file the joint's angle, too. Where its sensor reached an end of its range, a \
+signal ends there. A row with a repeated time or an empty cell keeps what it holds and gets the signals \
+at its time. With --input the drive starts at mid-stroke, at rest, and every signal is written in SI \
+units: spool, position, velocity, both pressures, flow into A, force of the oil.
+Inputs: zero:2s  step:4V,0.5s  steps:4V  sweep:6.5V,0.4Hz,5Hz,4s  triangle:2V,0.5Hz,4s
+        random:10V,0.08s,0.5s,4s,seed=1")]
 #[command(group(clap::ArgGroup::new("stimulus").required(true).args(["recording", "input"])))]
 pub struct Arguments {
     #[command(flatten)]
     pub(super) machine: MachineArguments,
-    /// Recording to simulate (CSV, TwinCAT Scope text, .xlsx, .mat, .mf4, .parquet, each also .gz)
+    /// Recording to simulate
     #[arg(long, value_name = "R.csv")]
     pub(super) recording: Option<PathBuf>,
     /// Signal at the command, such as "step:4V"
     #[arg(long, value_name = "signal")]
     pub(super) input: Option<String>,
-    /// Where to write the simulated signals: .csv or .txt, .mat, .parquet; no ending is CSV, and - is CSV to standard output.
-    /// A file is there whole or not at all; standard output and a pipe have what came before an error
+    /// Where to write the signals: .csv, .txt, .mat or .parquet; - is standard output
+    ///
+    /// No ending is CSV, as is standard output. A file is there whole or not at all; standard output and a pipe have what came before an error
     #[arg(long, value_name = "S.csv")]
     pub(super) out: PathBuf,
     /// Also draw recorded against simulated

@@ -15,20 +15,19 @@ use super::target::{check_targets, write, write_document};
 /// Arguments of `statics`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
-  host-sim statics --recording sweep.csv --input current_mA --output flow_lpm --json S.json --plot S.svg
-  host-sim statics --recording means.csv --input u_percent --output speed --slider spool_V --supply ps_bar --return pb_bar
-  host-sim statics --recording fast.csv slow.csv --period 20 200 --input current_mA --output flow_lpm
-  host-sim statics --runs run-30.csv run-50.csv run-70.csv run-90.csv run-100.csv --input command --output velocity
+  host-sim statics --recording sweep.csv --input current_mA --output flow_lpm --plot S.svg
+  host-sim statics --recording means.csv --input u_percent --output speed --supply ps_bar
+  host-sim statics --recording fast.csv slow.csv --period 20 200 --input u_mA --output q_lpm
+  host-sim statics --runs run-30.csv run-50.csv run-70.csv --input command --output velocity
 
-Columns are named by their headers, with or without the unit, and stay in the file's units; no column need be time. With --runs
-each file is one row: the mean of its columns, and `velocity` from the slope of `position` over its clock.
-
-First the kind of the curve is told, against its own scatter. Null, dead zone, gain and saturation are read of a curve that rises or
-falls throughout; of one with a peak or a valley its place, height and width; of others nothing. Droop and return pressure are read over flow.
-
-A loop between the ways up and down is hysteresis or a lag: one sweep cannot tell. Several recordings are sweeps of the same thing at
-other rates, and are compared: a loop that shrinks with the rate is a lag, one that stays is hysteresis. The rates come from --period,
-without it from clocks (all recordings need one), and without these from the number of rows, which names no effect.")]
+Columns are named by their headers, with or without the unit, and stay in the file's units; no column \
+need be time. With --runs each file is one row: the mean of its columns, and `velocity` from the slope \
+of `position` over its clock. Null, dead zone, gain and saturation are read of a curve that rises or \
+falls throughout; of one with a peak or a valley its place, height and width; of others nothing.
+A loop between the ways up and down is hysteresis or a lag: one sweep cannot tell. Several recordings \
+are sweeps of the same thing at other rates: a loop that shrinks with the rate is a lag, one that stays \
+is hysteresis. The rates come from --period, without it from clocks, which all recordings need, and \
+without these from the number of rows, which names no effect.")]
 pub struct Arguments {
     /// Sweep in the order of its samples, or table of means (CSV); several: sweeps at different rates
     #[arg(long, value_name = "R.csv", num_args = 1.., required_unless_present = "runs", conflicts_with = "runs")]

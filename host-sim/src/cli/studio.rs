@@ -17,8 +17,9 @@ const STUDIO: &str = include_str!(env!("HOST_SIM_STUDIO_PAGE"));
 #[command(after_help = "Example:
   host-sim studio --out studio.html
 
-One HTML file with this program in it, for a computer on which nothing may be installed: open it in a browser, drop recordings and a
-machine file on it, and diagnose. It needs no network, and nothing leaves the computer.")]
+One HTML file with this program in it, for a computer on which nothing may be installed: open it in a \
+browser, drop recordings and a machine file on it, and diagnose. It needs no network, and nothing \
+leaves the computer.")]
 pub struct Arguments {
     /// Page to write
     #[arg(long, value_name = "S.html", default_value = "studio.html")]

@@ -25,13 +25,13 @@ use super::{Outcome, draw};
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(after_help = "Example:
-  host-sim testbed --machine M.toml --effect coulomb-friction=800 --train \"random:8V,seed=1\" --train \"steps:6V\" \\
-      --holdout \"sweep:5V\" --seed 7 --out case
+  host-sim testbed --machine M.toml --effect coulomb-friction=800 --train \"random:8V,seed=1\" \\
+      --train \"steps:6V\" --holdout \"sweep:5V\" --seed 7 --out case
 
-The machine file holds the nominal values. The drive on the test bed is drawn about them by [fit.sigma] and the seed
-(--spread 0 leaves it exact), starts at mid-stroke, at rest, and has the effects given. The folder gets the machine file as it
-is, train-1.csv …, holdout-1.csv …: command, spool, position and both pressures as the sensors show them.
-The same arguments make the same files.")]
+The machine file holds the nominal values. The drive on the test bed is drawn about them by [fit.sigma] \
+and the seed (--spread 0 leaves it exact), starts at mid-stroke, at rest, and has the effects given. \
+The folder gets the machine file as it is, train-1.csv …, holdout-1.csv …: command, spool, position and \
+both pressures as the sensors show them. The same arguments make the same files.")]
 pub struct Arguments {
     /// What else it can do
     #[command(subcommand)]
@@ -39,16 +39,16 @@ pub struct Arguments {
     /// Machine file of the drive's nominal values (TOML, SI units)
     #[arg(long, value_name = "M.toml", required = true)]
     machine: Option<PathBuf>,
-    /// Command of a recording to train on, such as "steps:6V"; may be repeated
+    /// Command to train on, such as "steps:6V"; may be repeated
     #[arg(long, value_name = "signal", required = true)]
     train: Vec<Excitation>,
-    /// Command of a recording to hold out; may be repeated
+    /// Command to hold out; may be repeated
     #[arg(long, value_name = "signal")]
     holdout: Vec<Excitation>,
-    /// Effect of the drive that its machine file does not know, with its strength in SI units; may be repeated
+    /// Effect that the file does not know, with its strength in SI; may be repeated
     #[arg(long, value_name = "name=strength")]
     effect: Vec<String>,
-    /// How far the drive is from its nominal values, in standard deviations of [fit.sigma]
+    /// How far the drive is from the file, in standard deviations of [fit.sigma]
     #[arg(long, value_name = "factor", default_value_t = 1.0)]
     spread: f64,
     /// Noise of spool and pressures, in parts of the usual: 5e-4 of travel, 0.3 bar

@@ -93,18 +93,27 @@ fn a_file_that_is_there_stays_unless_it_is_to_go() {
 }
 
 #[test]
-fn the_help_marks_what_is_required() {
+fn the_help_marks_what_is_required_and_names_the_rest() {
     let folder = tempfile::tempdir().unwrap();
     let help = done(folder.path(), &["init", "--help"]);
+    let manual = done(folder.path(), &["man", "init"]).replace('\\', "").replace("*(Aq", "'");
     for item in Item::ALL {
         let question = item.question();
-        let (_, after) = help.split_once(&format!("--{} <", question.flag)).unwrap();
-        let text: Vec<&str> = after.split("\n      --").next().unwrap().split_whitespace().collect();
-        let marked = text.join(" ");
-        let needed = (item.is_needed(false), item.is_needed(true));
-        assert_eq!(marked.ends_with("[required]"), needed == (true, true), "{marked}");
-        assert_eq!(marked.ends_with("[required for a valve]"), needed == (true, false), "{marked}");
-        assert_eq!(marked.ends_with("[required for a pump]"), needed == (false, true), "{marked}");
+        let heading = help.split_once(&format!("--{} <", question.flag)).map(|(before, _)| {
+            before.lines().rfind(|line| line.ends_with(':') && !line.starts_with(' ')).unwrap().trim_end_matches(':')
+        });
+        let expected = match (item.is_needed(false), item.is_needed(true)) {
+            (true, true) => Some("Cylinder, load and supply (required)"),
+            (true, false) => Some("Valve (required)"),
+            (false, true) => Some("Pump in place of a valve"),
+            (false, false) if question.flag.starts_with("valve-") && heading.is_some() => {
+                Some("Speed of the valve (one is required)")
+            }
+            (false, false) => None,
+        };
+        assert_eq!(heading, expected, "{}", question.flag);
+        assert!(help.contains(&format!("--{}", question.flag)), "{}", question.flag);
+        assert!(manual.contains(&format!("{} [", question.what)), "{}", question.flag);
     }
 }
 

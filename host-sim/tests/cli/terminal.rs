@@ -308,8 +308,15 @@ fn the_help_of_a_command_fits_a_screen_and_what_is_longer_stands_in_its_manual_p
     let help = done(folder.path(), &["--help"]);
     let commands = help.lines().filter_map(|line| line.strip_prefix("  ")).filter(|line| !line.starts_with([' ', '-']));
     for command in commands.filter_map(|line| line.split(' ').next()).filter(|name| *name != "help") {
-        let lines = done(folder.path(), &[command, "--help"]).lines().count();
+        let help = done(folder.path(), &[command, "--help"]);
+        let widest = help.lines().map(|line| line.chars().count()).max();
         // The data sheet has as many questions as it has.
-        assert!(lines <= if command == "init" { 80 } else { 40 }, "{command}: {lines} lines");
+        let most = if command == "init" { 55 } else { 45 };
+        assert!(help.lines().count() <= most && widest <= Some(100), "{command}: {widest:?} columns, {help}");
+        let manual = done(folder.path(), &["man", command]);
+        assert!(
+            manual.contains(&format!("host\\-sim\\-{command}")) || manual.contains(&format!("host-sim-{command}")),
+            "{manual}"
+        );
     }
 }

@@ -84,15 +84,15 @@ items! {
     Mass "mass" Always, [Mass] Positive, "18.3kg", "Moving mass: rod, piston, tool";
     Supply "supply" Always, [Pressure] Positive, "70bar", "Supply pressure; of a pump drive, the one its relief valve is set to";
     PumpDisplacement "pump-displacement" MakesPump, [Displacement] Positive, "16cm3/rev",
-        "Oil per turn of the pump that feeds the cylinder directly, in place of a valve";
-    RatedFlow "rated-flow" OfValve, [Flow] Positive, "40l/min", "Rated flow of the valve, at the rated pressure drop and signal";
+        "Oil per turn of a pump in place of a valve; it feeds the cylinder directly";
+    RatedFlow "rated-flow" OfValve, [Flow] Positive, "40l/min", "Rated flow of the valve; at the rated pressure drop and signal";
     RatedDrop "rated-drop" OfValve, [Pressure] Positive, "5bar",
-        "Rated pressure drop, over one edge unless it is said to be over both: usually 35 bar an edge of servo valves, 5 bar of proportional ones";
+        "Rated pressure drop, over one edge or over both; usually 35 bar an edge of servo valves, 5 bar of proportional ones";
     RatedSignal "rated-signal" OfValve, [Voltage Current] Positive, "10V", "Signal at which the valve is fully open";
-    ValveResponse "valve-response" OneOf(SPEEDS), [Time] Positive, "50ms", "Time of the spool from 0 to 90 % after a small step, dead time included";
+    ValveResponse "valve-response" OneOf(SPEEDS), [Time] Positive, "50ms", "Time of the spool from 0 to 90 %; after a small step, dead time included";
     ValveFrequency "valve-frequency" OneOf(SPEEDS), [Frequency] Positive, "20Hz",
-        "Frequency at which the spool is 90 degrees late, for a small signal";
-    NaturalFrequency "valve-natural-frequency" OneOf(SPEEDS), [Frequency] Positive, "25Hz", "Natural frequency of the spool as a second-order system";
+        "Frequency at which the spool is 90 degrees late; for a small signal";
+    NaturalFrequency "valve-natural-frequency" OneOf(SPEEDS), [Frequency] Positive, "25Hz", "Natural frequency of the spool; as a second-order system";
     ValveDamping "valve-damping" MayOfValve("80 %"), [Ratio] Positive, "70%", "Damping ratio of the spool: below 100 % it overshoots";
     Overlap "overlap" MayOfValve("none, as of a zero-lapped valve"), [Ratio] Share, "15%",
         "Overlap: share of the spool's travel at the rated signal that passes no oil, to each side";
