@@ -159,8 +159,8 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let shown = if shown.contains(char::is_whitespace) { format!("\"{shown}\"") } else { shown };
     console.print(format_args!(
         "next       host-sim inspect run.csv --machine {shown}\n\
-         \x20          host-sim compare --machine {shown} --recording run.csv\n\
-         \x20          host-sim fit --machine {shown} --train run.csv --save-machine fitted.toml"
+         \x20          host-sim compare run.csv --machine {shown}\n\
+         \x20          host-sim fit run.csv --machine {shown} --save-machine fitted.toml"
     ))?;
     Ok(Outcome::Done)
 }

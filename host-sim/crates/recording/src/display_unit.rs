@@ -84,6 +84,16 @@ pub fn significant(value: f64, digits: i32) -> String {
     format!("{value:.decimals$}")
 }
 
+/// A value in SI units with this many significant digits: plain where people write it so, with a power of ten where it has many zeros.
+#[must_use]
+pub fn in_si(value: f64, digits: i32) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) || !value.is_finite() {
+        return significant(value, digits);
+    }
+    let precision = usize::try_from(digits - 1).unwrap_or(0);
+    format!("{value:.precision$e}")
+}
+
 /// A percentage that never hides a small difference from 100: `99.9987` and not `100.00`.
 #[must_use]
 pub fn percent(value: f64) -> String {
@@ -113,6 +123,15 @@ mod tests {
         assert_eq!(significant(0.099_99, 3), "0.100");
         assert_eq!(significant(0.0, 3), "0");
         assert_eq!(significant(f64::INFINITY, 3), "inf");
+    }
+
+    #[test]
+    fn a_value_in_si_units_has_a_power_of_ten_only_where_it_has_many_zeros() {
+        assert_eq!(in_si(0.132_649, 5), "0.13265");
+        assert_eq!(in_si(-7.0e6, 5), "-7.0000e6");
+        assert_eq!(in_si(2.966e-12, 3), "2.97e-12");
+        assert_eq!(in_si(98_765.4, 3), "98765");
+        assert_eq!((in_si(0.0, 5), in_si(f64::NAN, 2)), ("0".into(), "NaN".into()));
     }
 
     #[test]

@@ -120,7 +120,7 @@ impl fmt::Display for Note {
             }
             Note::CoarseTimes { step_s, interval_s, clocks, within_stamps } => {
                 let ms = |time_s: f64| significant(1e3 * time_s, 3);
-                let (step, rows) = (ms(*step_s), significant(step_s / interval_s, 3));
+                let (step, rows) = (ms(*step_s), (step_s / interval_s * 10.0).round() / 10.0);
                 write!(f, "time stamps are {step} ms apart and {rows} rows share one: ")?;
                 match clocks {
                     0 => write!(f, "they fit no even clock and are spread within each stamp, about")?,

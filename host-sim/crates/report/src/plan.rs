@@ -9,7 +9,7 @@ use diagnosis::catalogue::short_name;
 use experiment::plan::{Outlook, Plan, Prospect};
 use experiment::sensor::Sensor;
 use model_core::machine::Parameter;
-use recording::display_unit::{TABLE, arrange, significant};
+use recording::display_unit::{TABLE, arrange, in_si, significant};
 
 use crate::plot::{Cell, Grid};
 
@@ -81,7 +81,7 @@ fn table(outlook: &Outlook, width: Option<u16>) -> String {
         table.add_row([
             prospect.effect.name.to_owned(),
             prospect.effect.subsystem.to_string(),
-            prospect.smallest_value().map_or_else(|| "–".to_owned(), scientific),
+            prospect.smallest_value().map_or_else(|| "–".to_owned(), |value| in_si(value, 2)),
             usual(prospect),
             rivals.join(", "),
         ]);
@@ -95,13 +95,9 @@ fn usual(prospect: &Prospect) -> String {
 
 fn with_unit(parameter: Parameter, value: f64) -> String {
     match parameter.description().unit {
-        "1" => scientific(value),
-        unit => format!("{} {unit}", scientific(value)),
+        "1" => in_si(value, 2),
+        unit => format!("{} {unit}", in_si(value, 2)),
     }
-}
-
-fn scientific(value: f64) -> String {
-    if (1e-2..1e4).contains(&value.abs()) { significant(value, 2) } else { format!("{value:.1e}") }
 }
 
 /// The document.

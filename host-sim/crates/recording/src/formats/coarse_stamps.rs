@@ -197,7 +197,7 @@ mod tests {
         }
         let whole = read(&text(200, 2e-3, stamps[1]));
         assert!(whole.time_s().iter().zip(whole.signal(Signal::Spool).unwrap()).all(|(a, b)| (a - b).abs() < 1e-12));
-        let told = "time stamps are 10.0 ms apart and 5.00 rows share one: they are spread evenly, 2.00 ms apart";
+        let told = "time stamps are 10.0 ms apart and 5 rows share one: they are spread evenly, 2.00 ms apart";
         assert_eq!(whole.notes()[0].to_string(), told);
     }
 

@@ -8,7 +8,7 @@ use diagnosis::catalogue::short_name;
 use diagnosis::localisation::{Interval, Location, Miss};
 use diagnosis::{Diagnosis, Verdict};
 use identification::fit::{CORRELATED, Correlation};
-use recording::display_unit::significant;
+use recording::display_unit::{in_si, significant};
 
 use crate::evidence::{Exhibits, whiteness};
 use crate::size::size;
@@ -53,9 +53,9 @@ pub fn text(diagnosis: &Diagnosis, exhibits: &Exhibits) -> String {
             let unit = estimate.parameter.description().unit;
             let _ = writeln!(
                 text,
-                "parameter  {} = {:.4e} ± {} {unit}",
+                "parameter  {} = {} ± {} {unit}",
                 short_name(estimate.parameter),
-                estimate.value,
+                in_si(estimate.value, 5),
                 uncertainty(estimate)
             );
             if let Some(size) = size(&diagnosis.machine_after, estimate.parameter, estimate.value) {

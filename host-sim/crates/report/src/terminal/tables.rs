@@ -6,7 +6,7 @@ use diagnosis::agreement::Tolerated;
 use diagnosis::{Diagnosis, Fits, Shown, mean_fits, mean_noise_floor};
 use identification::fit::Estimate;
 use model_core::machine::Machine;
-use recording::display_unit::{TABLE, percent, significant};
+use recording::display_unit::{TABLE, in_si, percent, significant};
 
 use crate::evidence::Exhibits;
 use crate::size::size;
@@ -18,7 +18,7 @@ pub fn uncertainty(estimate: &Estimate) -> String {
     if estimate.at_bound {
         "at its bound".to_owned()
     } else if estimate.std.is_finite() {
-        format!("{:.1e}", estimate.std)
+        in_si(estimate.std, 2)
     } else {
         "not determined".to_owned()
     }
@@ -88,8 +88,8 @@ pub fn parameters(estimates: &[Estimate]) -> Table {
         let description = estimate.parameter.description();
         table.add_row([
             description.key.to_owned(),
-            format!("{:.4e}", estimate.before),
-            format!("{:.4e}", estimate.value),
+            in_si(estimate.before, 5),
+            in_si(estimate.value, 5),
             uncertainty(estimate),
             description.unit.to_owned(),
         ]);

@@ -5,7 +5,7 @@ use diagnosis::catalogue::{Hypothesis, short_name};
 use diagnosis::{Diagnosis, Finding, OtherOil, Verdict};
 use identification::fit::Estimate;
 use model_core::machine::{Machine, Parameter};
-use recording::display_unit::significant;
+use recording::display_unit::{in_si, significant};
 
 use crate::size::{Size, size};
 
@@ -45,7 +45,7 @@ pub fn change(machine: &Machine<f64>, finding: &Finding) -> Option<String> {
         format!(" ({}{of_then} → {amount}{of})", then.amount)
     });
     let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-    Some(format!("{whose} {verb} from {before:.2e} to {value:.2e}{unit}{sizes}"))
+    Some(format!("{whose} {verb} from {} to {}{unit}{sizes}", in_si(before, 3), in_si(value, 3)))
 }
 
 /// An effect, with the sensor or the name of the amount where it has several.

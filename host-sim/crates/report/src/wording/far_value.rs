@@ -2,7 +2,7 @@
 
 use diagnosis::agreement::{Cause, FarValue};
 use model_core::machine::Parameter;
-use recording::display_unit::significant;
+use recording::display_unit::{in_si, significant};
 
 /// The values that a refit has moved farthest; of more than a few only how many, for where so many are far no single one is to blame.
 #[must_use]
@@ -31,7 +31,8 @@ pub(crate) fn moved(far: &FarValue) -> String {
         Parameter::BulkModulus => ", which no oil has",
         _ => ", far from any drive that the machine file can mean",
     };
-    format!("{} at {:.3e}{unit} instead of {:.3e}{verdict}", description.key, far.value, far.nominal)
+    let (value, nominal) = (in_si(far.value, 4), in_si(far.nominal, 4));
+    format!("{} at {value}{unit} instead of {nominal}{verdict}", description.key)
 }
 
 fn cause_of(cause: Cause) -> &'static str {

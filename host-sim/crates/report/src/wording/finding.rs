@@ -5,7 +5,7 @@ use diagnosis::correction_table::Unnamed;
 use diagnosis::selection::JumpsFound;
 use experiment::discriminate::{Distance, Separation};
 use identification::fit::Correlation;
-use recording::display_unit::significant;
+use recording::display_unit::{in_si, significant};
 use simulation::signal::noise::extent;
 
 /// The jumps of a spool that no sensor measures.
@@ -73,9 +73,11 @@ pub fn correction_table(table: &Unnamed) -> String {
     let (low, high) = extent(table.values.iter().map(|estimate| estimate.value));
     let unit = if table.quantity.unit() == "1" { String::new() } else { format!(" {}", table.quantity.unit()) };
     format!(
-        "without a name: a table of {} over {}, from {low:.3e} to {high:.3e}{unit}, follows {} of {} held-out recordings better",
+        "without a name: a table of {} over {}, from {} to {}{unit}, follows {} of {} held-out recordings better",
         table.quantity.name(),
         states.join(" and "),
+        in_si(low, 4),
+        in_si(high, 4),
         table.confirmation.improved,
         table.confirmation.recordings
     )

@@ -2,14 +2,14 @@
 
 use identification::fit::{Unrest, Unsettled};
 use model_core::machine::Parameter;
-use recording::display_unit::significant;
+use recording::display_unit::{in_si, significant};
 
 /// Which value it was, why, and what to do.
 #[must_use]
 pub fn still_moving(unsettled: &Unsettled) -> String {
     let description = unsettled.parameter.description();
     let unit = if description.unit == "1" { String::new() } else { format!(" {}", description.unit) };
-    let (value, towards) = (unsettled.value, unsettled.towards);
+    let (value, towards) = (in_si(unsettled.value, 4), in_si(unsettled.towards, 4));
     let why = match unsettled.why {
         Unrest::AtBound => {
             "it is at the end of its range: look for a wrong unit or a wrong value beside it, or take it out of [fit.sigma]".to_owned()
@@ -23,7 +23,7 @@ pub fn still_moving(unsettled: &Unsettled) -> String {
             "it is bent by what the model lacks: find that first, or give it less freedom in [fit.sigma] or [fit.tolerance]".to_owned()
         }
     };
-    format!("{} was still moving from {value:.3e} towards {towards:.3e}{unit}; {why}", description.key)
+    format!("{} was still moving from {value} towards {towards}{unit}; {why}", description.key)
 }
 
 fn key(parameter: Parameter) -> &'static str {
