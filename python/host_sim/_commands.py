@@ -20,6 +20,7 @@ from ._results import Comparison, Diagnosis, Fit, Inspection, Plan, Simulation
 Drive = Union[Machine, str, "os.PathLike[str]"]
 Recordings = Union[Source, Sequence[Source]]
 Arithmetic = Literal["fixed", "float"]
+_EXCITATIONS = ("zero", "step", "steps", "sweep", "random", "triangle")
 
 
 def _machine(machine: Drive) -> Machine:
@@ -62,12 +63,14 @@ def simulate(
     Args:
         machine: the drive, or its machine file.
         recording: what drives the model.
-        input: instead, a signal at the command: ``"step:4V"``, ``"sweep:6.5V,0.4Hz,5Hz,4s"``, ``"random:10V,0.08s,0.5s,4s,seed=1"``.
+        input: instead, a signal at the command, in V or mA as the machine counts: ``"step:4V"``, ``"sweep:6.5V,0.4Hz,5Hz,4s"``, ``"random:10V,0.08s,0.5s,4s,seed=1"``.
         arithmetic: ``fixed`` is what the controller computes, ``float`` double precision.
         tick_ms: step of the model in ms: 0.5, 1 or 2; without it 1, or 0.5 for recordings faster than that, or 2 below 50 Hz.
         map: which column holds a signal.
         threads: how many threads compute; the result does not depend on it.
     """
+    if isinstance(recording, str) and recording.partition(":")[0] in _EXCITATIONS and not Path(recording).exists():
+        raise TypeError(f"recording: {recording!r} is an input signal and not a file; expected input={recording!r}")
     drive = _machine(machine)
     given = None if recording is None else read(recording, map=map, machine=drive)._inner
     return Simulation(_native.simulate(drive._inner, given, input, arithmetic, tick_ms, threads))

@@ -321,8 +321,15 @@ class Fit(_Paged):
         left: dict[str, Any] = self._told["left"]
         return left
 
+    @property
+    def is_worse(self) -> Optional[bool]:
+        """Whether the fitted values are worse than the machine file's on the held-out recordings; None where none was held out."""
+        held_out: Optional[dict[str, Any]] = self._told["held_out"]
+        return None if held_out is None else bool(held_out["is_worse"])
+
     def __str__(self) -> str:
-        return f"{self._table}\nWhat is left: {self.left['sentence']}."
+        worse = f"{self._told['held_out']['sentence']}\n" if self.is_worse else ""
+        return f"{worse}{self._table}\nWhat is left: {self.left['sentence']}."
 
     def __repr__(self) -> str:
         return f"Fit({len(self.parameters)} parameters, converged={self.converged})"

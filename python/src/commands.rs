@@ -227,7 +227,8 @@ fn at_hand(machine: &Machine, input: Option<&str>, recording: Option<&Held>) -> 
         (None, None) => Ok(None),
         (_, Some(recording)) => AtHand::of_recording(recording, &machine.file).map(Some).map_err(failed),
         (Some(text), None) => {
-            let signal: Excitation = text.parse().map_err(|error| Refused::argument("input", error))?;
+            let (signal, _) = Excitation::read(text, machine.file.channels.command_unit())
+                .map_err(|error| Refused::argument("input", error))?;
             AtHand::of_input(&signal, text, &machine.file).map(Some).map_err(failed)
         }
     }

@@ -92,7 +92,8 @@ pub(crate) fn simulate(
 
 /// The recording of an input signal.
 fn of_input(machine: &Machine, input: &str, tick: Option<Tick>) -> Result<Held, Refused> {
-    let excitation: Excitation = input.parse().map_err(|error| Refused::argument("input", error))?;
+    let (excitation, unit) = Excitation::read(input, machine.file.channels.command_unit())
+        .map_err(|error| Refused::argument("input", error))?;
     let values = &machine.file.machine;
     if values.source != Source::Valve {
         let text =
@@ -100,5 +101,5 @@ fn of_input(machine: &Machine, input: &str, tick: Option<Tick>) -> Result<Held, 
         return Err(Refused::machine(&machine.path, text));
     }
     let test = StandardTest::of_input(&excitation, input, tick.unwrap_or(Tick::OneMillisecond));
-    Ok(test.recording(values)?)
+    Ok(test.recording_in(unit, values)?)
 }

@@ -30,8 +30,9 @@ pub(crate) fn fit(desk: &Desk, request: &Request, progress: &Progress<'_>) -> Re
         notes.push("the search did not converge; these are the best values found".to_owned());
     }
     let left = terminal::missed(&refit.left);
+    let worse = wording::fit_is_worse(&refit).map_or_else(String::new, |worse| format!("{worse}\n"));
     Ok(Results {
-        text: format!("{}\nWhat is left: {left}.", terminal::parameters(&refit.estimates)),
+        text: format!("{worse}{}\nWhat is left: {left}.", terminal::parameters(&refit.estimates)),
         notes,
         json: format!("{:#}\n", json::refit(&refit)),
         machine: Some(refit.file.to_text(&drive.name)?),

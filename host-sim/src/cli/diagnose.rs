@@ -18,7 +18,7 @@ use super::about::about;
 use super::console::{Console, Progress, Tone};
 use super::ending::{DOCUMENT, DRAWING, MACHINE, PAGE};
 use super::error::CliError;
-use super::target::{check_apart, check_targets, write, write_document};
+use super::target::{check_apart, check_targets, save_fitted, write, write_document};
 use super::{Outcome, input};
 
 /// Arguments of `diagnose`.
@@ -147,13 +147,6 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if let Some(path) = &arguments.json {
         write_document(path, &format!("{:#}\n", json::document(&diagnosis, &exhibits)), console)?;
     }
-    if let Some(path) = &arguments.save_machine {
-        let mut after = diagnosis.machine_file(&job.file);
-        if absolute {
-            after.channels.pressure = PressureZero::Absolute;
-        }
-        after.save(path)?;
-    }
     if let Some(path) = &job.report {
         write(path, html::page(&diagnosis, &exhibits, &about(slice::from_ref(&job.machine))))?;
     }
@@ -166,6 +159,14 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     console.print(rest)?;
     if let Some(path) = &job.report {
         console.print(format_args!("report: {}", path.display()))?;
+    }
+    // The last: whatever is not saved has been told.
+    if let Some(path) = &arguments.save_machine {
+        let mut after = diagnosis.machine_file(&job.file);
+        if absolute {
+            after.channels.pressure = PressureZero::Absolute;
+        }
+        save_fitted(path, &after, tick, console)?;
     }
     let missing = diagnosis.verdict != Verdict::NothingMissing;
     Ok(if arguments.exit_code && missing { Outcome::OutOfTolerance } else { Outcome::Done })

@@ -10,15 +10,16 @@ use recording::{ChannelMap, Recording, Signal};
 use report::{html, json, terminal, wording};
 
 use super::about::about;
-use super::console::Console;
+use super::console::{Console, Tone};
 use super::ending::{DOCUMENT, MACHINE, PAGE};
 use super::error::CliError;
-use super::target::{check_apart, check_targets, write, write_document};
+use super::target::{check_apart, check_targets, save_fitted, write, write_document};
 use super::{Outcome, input};
 
 /// Arguments of `fit`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
+  host-sim fit train-1.csv train-2.csv --machine M.toml
   host-sim fit train-1.csv train-2.csv --machine M.toml --save-machine F.toml
   host-sim fit train-1.csv train-2.csv --machine M.toml --holdout holdout.csv \\
       --report F.html --save-machine F.toml
@@ -59,7 +60,7 @@ pub struct Arguments {
     #[arg(long)]
     as_recorded: bool,
     /// Where to write the machine file with fitted values
-    #[arg(long, value_name = "F.toml", required_unless_present_any = ["json", "report"])]
+    #[arg(long, value_name = "F.toml")]
     save_machine: Option<PathBuf>,
     /// Write the fitted values and what is left for programs; `-` prints it in place of the text
     #[arg(long, value_name = "F.json")]
@@ -106,9 +107,6 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let refit = refitting.search(&|rows| bar.inc(rows as u64));
     bar.finish_and_clear();
     let refit = refit.map_err(failed)?;
-    if let Some(path) = &arguments.save_machine {
-        refit.file.save(path)?;
-    }
     if let Some(path) = &arguments.json {
         write_document(path, &format!("{:#}\n", json::refit(&refit)), console)?;
     }
@@ -117,6 +115,10 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         write(path, html::fit(&refit, &recordings.iter().collect::<Vec<_>>(), &doubts, &about))?;
     }
     tell(&refit, console)?;
+    // The last: whatever is not saved has been told.
+    if let Some(path) = &arguments.save_machine {
+        save_fitted(path, &refit.file, tick, console)?;
+    }
     Ok(Outcome::Done)
 }
 
@@ -139,6 +141,9 @@ fn check(arguments: &Arguments, train: &[PathBuf]) -> Result<(), CliError> {
 
 fn tell(refit: &Refit, console: &mut Console<'_>) -> Result<(), CliError> {
     let machine = &refit.file.machine;
+    if let Some(worse) = wording::fit_is_worse(refit) {
+        console.verdict(worse, Tone::Bad)?;
+    }
     console.print(terminal::parameters(&refit.estimates))?;
     if let Some(table) = terminal::tolerances(machine, &refit.tolerated) {
         console.print(table)?;

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{Arg, ArgMatches, Command};
 
+use experiment::inspect::load_doubt;
 use machine_file::data_sheet::{self, Answers, Derived, Edges, Item, Need, Origin, Sigma};
+use report::wording;
 use serde_json::{Value, json};
 
 use super::Outcome;
@@ -145,7 +147,12 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let made = data_sheet::derived(&answers, arguments.rated_drop_over.into())?;
     let name = arguments.name.clone().unwrap_or_else(|| stem(target));
     // A file that no command would take is not written.
-    write(target, data_sheet::checked_toml(&target.display().to_string(), &name, &made)?)?;
+    let shown = target.display().to_string();
+    let text = data_sheet::checked_toml(&shown, &name, &made)?;
+    if let Some(doubt) = load_doubt(&machine_file::read_text(&shown, &text)?.machine) {
+        console.note(wording::unit_doubt(&doubt));
+    }
+    write(target, text)?;
 
     tell(arguments.json.as_deref(), || document_of(&name, target, &made), console)?;
     console.print(target.display())?;
@@ -154,7 +161,6 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     if !assumed.is_empty() {
         console.print(format_args!("assumed    {}", assumed.join(", ")))?;
     }
-    let shown = target.display().to_string();
     // In a form that can be pasted into a shell.
     let shown = if shown.contains(char::is_whitespace) { format!("\"{shown}\"") } else { shown };
     console.print(format_args!(

@@ -165,7 +165,7 @@ fn at_hand(arguments: &Arguments, file: &MachineFile, console: &Console<'_>) -> 
         return AtHand::of_recording(&recording, file).map(Some).map_err(failed);
     }
     let Some(text) = &arguments.input else { return Ok(None) };
-    let signal: Excitation = text.parse()?;
+    let (signal, _) = Excitation::read(text, file.channels.command_unit())?;
     AtHand::of_input(&signal, text, file).map(Some).map_err(failed)
 }
 

@@ -52,7 +52,7 @@ pub struct Arguments {
     /// Recording to simulate
     #[arg(long, value_name = "R.csv")]
     pub(super) recording: Option<PathBuf>,
-    /// Signal at the command, such as "step:4V"
+    /// Signal at the command in its unit, V or mA, such as "step:4V"
     #[arg(long, value_name = "signal")]
     pub(super) input: Option<String>,
     /// Where to write the signals: .csv, .txt, .mat or .parquet; - is standard output
@@ -271,13 +271,13 @@ fn job(arguments: &Arguments, console: &Console<'_>) -> Result<Job, CliError> {
         (input::recording(path, &channels, console)?, file.load_source)
     } else {
         let input = arguments.input.as_deref().unwrap_or_default();
-        let excitation: Excitation = input.parse()?;
+        let (excitation, unit) = Excitation::read(input, channels.command_unit())?;
         if machine.source != Source::Valve {
             let (machine, source_of_drive) = (arguments.machine.machine.clone(), machine.source);
             return Err(CliError::NeedsValve { machine, source_of_drive, what: "--input" });
         }
         let test = StandardTest::of_input(&excitation, input, asked.unwrap_or(Tick::OneMillisecond));
-        (test.recording(&machine)?, LoadSource::Constant)
+        (test.recording_in(unit, &machine)?, LoadSource::Constant)
     };
     let input_point = first_input_point(machine.source, &recording)
         .map_err(|cause| CliError::Simulate { machine: arguments.machine.machine.clone(), cause })?;

@@ -6,6 +6,8 @@ use std::io;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use machine_file::{MachineFile, carried};
+use model_core::machine::Tick;
 use recording::files::atomic;
 #[cfg(feature = "virtual-plant")]
 use recording::files::atomic::Begun;
@@ -51,6 +53,23 @@ pub(crate) fn check_apart(targets: &[Target<'_>]) -> Result<(), CliError> {
 /// Checks that this file could be written now. Nothing is left there.
 pub(crate) fn check_target(path: &Path) -> Result<(), CliError> {
     atomic::check(path).map_err(unwritten(path))
+}
+
+/// Writes a machine file with fitted values, if the tick that was asked for computes them; without one 1 ms or, with a note, 0.5 ms.
+pub(crate) fn save_fitted(
+    path: &Path,
+    file: &MachineFile,
+    asked: Option<Tick>,
+    console: &mut Console<'_>,
+) -> Result<(), CliError> {
+    let shown = path.display().to_string();
+    let tick = file.tick_of_fitted(&shown, asked)?;
+    file.save(path)?;
+    if let Err(cause) = carried(&file.machine, Tick::OneMillisecond) {
+        let tick_ms = 1e3 * tick.seconds();
+        console.note(format_args!("{shown} needs --tick {tick_ms} in `export`, as 1 ms does not compute it: {cause}"));
+    }
+    Ok(())
 }
 
 /// The error for a file that cannot be written.

@@ -68,8 +68,30 @@ fn a_fit_is_judged_by_what_was_held_out_and_not_by_what_it_was_fitted_to() {
     assert_eq!(read("a.toml"), read("b.toml"), "what is held out takes no part");
     let same = refused(here, &[&fit[..], &["--json", "-", "--holdout", &train]].concat());
     assert!(same.contains("held-out recordings that are not trained on"), "{same}");
-    let nothing = refused(here, &fit);
-    assert!(nothing.contains("--save-machine"), "{nothing}");
+    // Nothing needs to be saved.
+    let told = done(here, &fit);
+    assert!(told.contains("refitted parameter") && told.contains("valve.gain_per_v"), "{told}");
+}
+
+#[test]
+fn a_fit_that_is_worse_on_what_was_held_out_says_so_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    // Recordings of two drives: the machine file's is held out.
+    let text = fs::read_to_string(example("machine.toml")).unwrap();
+    fs::write(here.join("own.toml"), &text).unwrap();
+    fs::write(here.join("other.toml"), text.replace("dead_zone = 0.", "dead_zone = 0.0")).unwrap();
+    for (machine, recording) in [("own.toml", "own.csv"), ("other.toml", "other.csv")] {
+        done(here, &["simulate", "--machine", machine, "--input", "steps:6V", "--out", recording]);
+    }
+    let fit = ["fit", "other.csv", "--machine", "own.toml", "--as-recorded", "--holdout", "own.csv"];
+    let told = done(here, &[&fit[..], &["--json", "f.json", "--report", "f.html"]].concat());
+    let worse = "The fit is worse than the machine file on recordings it has not seen: ";
+    assert!(told.starts_with(worse) && told.contains("Do not use it"), "{told}");
+    let document: serde_json::Value = serde_json::from_str(&fs::read_to_string(here.join("f.json")).unwrap()).unwrap();
+    assert_eq!(document["held_out"]["is_worse"], true);
+    assert!(document["held_out"]["sentence"].as_str().unwrap().starts_with(worse), "{document}");
+    assert!(fs::read_to_string(here.join("f.html")).unwrap().contains(&format!("<h1 class=\"missing\">{worse}")));
 }
 
 /// A page holds no tag that a name brought, and nothing that is fetched.

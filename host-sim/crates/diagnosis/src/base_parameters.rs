@@ -2,9 +2,9 @@
 
 use identification::fit::{Free, Freedom};
 use machine_file::MachineFile;
-use model_core::machine::Parameter;
+use model_core::machine::{Machine, Parameter, Tick};
 use recording::Recording;
-use simulation::is_driven_by_pressures;
+use simulation::{is_carried, is_driven_by_pressures};
 
 /// Base parameters that may move: those of `[fit.sigma]`, else every one that the file gives and that is usually
 /// uncertain, by a tenth of its value; and what is within its tolerance by `[fit.tolerance]`.
@@ -49,9 +49,27 @@ pub fn base_parameters(file: &MachineFile) -> Vec<Free> {
     };
     free.extend(file.tolerance.iter().map(|(&parameter, &most)| Free {
         parameter,
-        freedom: Freedom::Within { most, is_signed: parameter.description().min < 0.0 },
+        freedom: Freedom::Within {
+            most: carried_tolerance(&file.machine, parameter, most),
+            is_signed: parameter.description().min < 0.0,
+        },
     }));
     free
+}
+
+/// As much of a tolerance as the step computes at every tick that computes the drive. The data sheet of a small valve may allow it more, as a
+/// tolerance in bar at its full flow.
+fn carried_tolerance(machine: &Machine<f64>, parameter: Parameter, most: f64) -> f64 {
+    /// From the largest tolerance of a file to nothing of it.
+    const HALVINGS: usize = 100;
+    let ticks = [Tick::HalfMillisecond, Tick::OneMillisecond, Tick::TwoMilliseconds];
+    let ticks: Vec<Tick> = ticks.into_iter().filter(|tick| is_carried(machine, *tick)).collect();
+    let is_computed = |value: &f64| {
+        let machine = machine.with(&[(parameter, value.min(parameter.description().max))]);
+        ticks.iter().all(|tick| is_carried(&machine, *tick))
+    };
+    let mut halved = std::iter::successors(Some(most), |most| Some(0.5 * most)).take(HALVINGS);
+    halved.find(is_computed).unwrap_or(most)
 }
 
 /// The base parameters, and what the zeros of two pressure sensors make of a force that is computed from both: a bar on the larger area. It moves the rod as a

@@ -93,6 +93,45 @@ pub fn mean_noise_floor(shown: &[Shown], held_out: bool) -> Fits {
     mean(channels.map(|channel| (channel.signal, channel.noise_floor_percent())))
 }
 
+/// A signal that a refit follows less well than the machine file does: its mean NRMSE fits on held-out recordings, %.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fall {
+    /// Its name.
+    pub signal: &'static str,
+    /// With the machine file's values.
+    pub before: f64,
+    /// With the fitted values.
+    pub after: f64,
+}
+
+/// The signals that fell, largest first, where the fitted values are worse than the machine file's on held-out recordings; empty where they are not;
+/// `None` where nothing was held out.
+///
+/// Worse: the errors of all signals together, as their geometric mean, are larger by a twentieth. An error below its noise counts as that noise.
+#[must_use]
+pub fn worse_held_out(shown: &[Shown]) -> Option<Vec<Fall>> {
+    /// Chosen: what a refit gains or loses by chance where nothing is to be gained.
+    const LARGER: f64 = 1.05;
+    let (before, after) = (mean_fits(shown, true, false), mean_fits(shown, true, true));
+    let floor = mean_noise_floor(shown, true);
+    if before.is_empty() {
+        return None;
+    }
+    let growth = |fall: &Fall| {
+        let least = (100.0 - floor.get(fall.signal).copied().unwrap_or(100.0)).max(1e-3);
+        libm::log((100.0 - fall.after).max(least) / (100.0 - fall.before).max(least))
+    };
+    let fall = |(&signal, &before): (&&'static str, &f64)| Some(Fall { signal, before, after: *after.get(signal)? });
+    let mut grown: Vec<(f64, Fall)> = before.iter().filter_map(fall).map(|fall| (growth(&fall), fall)).collect();
+    let mean = grown.iter().map(|(growth, _)| growth).sum::<f64>() / grown.len().max(1) as f64;
+    if mean <= libm::log(LARGER) {
+        return Some(Vec::new());
+    }
+    grown.retain(|(growth, _)| *growth > 0.0);
+    grown.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    Some(grown.into_iter().map(|(_, fall)| fall).collect())
+}
+
 fn mean(values: impl Iterator<Item = (Signal, f64)>) -> Fits {
     let mut sums: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
     for (signal, value) in values {

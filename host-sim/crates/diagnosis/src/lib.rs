@@ -36,7 +36,7 @@ pub mod structure;
 mod test_scene;
 
 pub use base_parameters::base_parameters;
-pub use before_after::{Fits, Shown, mean_fits, mean_noise_floor};
+pub use before_after::{Fall, Fits, Shown, mean_fits, mean_noise_floor, worse_held_out};
 pub use diagnose::{DiagnoseError, Progress, diagnose, diagnose_since, diagnose_with, steps};
 pub use finding::Finding;
 pub use options::Options;

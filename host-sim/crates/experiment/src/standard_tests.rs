@@ -5,7 +5,7 @@
 use machine_file::LoadSource;
 use model_core::machine::{Machine, Parameter, Tick};
 use recording::excitation::signals::Excitation;
-use recording::{Column, Recording, RecordingError, Signal};
+use recording::{Column, Recording, RecordingError, Signal, Unit};
 use simulation::{InputPoint, Stimulus};
 
 /// Interval between the rows of a test, s.
@@ -47,6 +47,13 @@ impl StandardTest {
     pub fn recording(&self, machine: &Machine<f64>) -> Result<Recording, RecordingError> {
         let position = vec![0.5 * machine.get(Parameter::Stroke); self.command_v.len()];
         Recording::new(self.name, self.columns().chain([Column::si(Signal::Position, position)]).collect())
+    }
+
+    /// The same of a command in this unit.
+    pub fn recording_in(&self, unit: Unit, machine: &Machine<f64>) -> Result<Recording, RecordingError> {
+        let mut recording = self.recording(machine)?;
+        recording.count_command_in(unit);
+        Ok(recording)
     }
 
     /// Time, command, and the load where it needs one.

@@ -2,7 +2,7 @@
 
 use std::{fmt, io};
 
-use model_core::machine::MachineError;
+use model_core::machine::{MachineError, Tick};
 use recording::files::atomic;
 use recording::files::source_error::{Explained, Place, after_number, quoted};
 use recording::linkage::LinkageError;
@@ -63,6 +63,8 @@ pub enum MachineFileError {
     Linkage { place: Place, cause: LinkageError },
     /// A drive that is too fast, too slow or too uneven for the model's shortest step.
     NotCarried { place: Place, cause: MachineError },
+    /// Fitted values that make a drive which a tick does not compute.
+    FittedNotCarried { place: Place, tick: Tick, shorter_computes: bool, cause: MachineError },
 }
 
 use MachineFileError as E;
@@ -95,7 +97,8 @@ impl Explained for MachineFileError {
             | E::NoSpan { place, .. }
             | E::TwoLinkages { place, .. }
             | E::Linkage { place, .. }
-            | E::NotCarried { place, .. } => place,
+            | E::NotCarried { place, .. }
+            | E::FittedNotCarried { place, .. } => place,
         }
     }
 
@@ -128,6 +131,10 @@ impl Explained for MachineFileError {
             E::TwoLinkages { one, other, .. } => format!("`linkage.{other}` beside `linkage.{one}`"),
             E::NotCarried { cause, .. } => {
                 format!("a drive that the model's shortest step of 0.5 ms does not compute: {cause}")
+            }
+            E::FittedNotCarried { tick, cause, .. } => {
+                let tick_ms = 1e3 * tick.seconds();
+                format!("not written: the model's step of {tick_ms} ms does not compute the fitted values: {cause}")
             }
             E::Linkage { cause, .. } => match cause {
                 LinkageError::NoTriangle { length_m, .. } => {
@@ -192,6 +199,12 @@ impl Explained for MachineFileError {
             E::NoSpan { .. } => "a number that is not 0: by how much the reading rises when the signal rises by one SI unit, or the flow at the full reading".into(),
             E::TwoLinkages { .. } => "one linkage: its sides, or a table of angles and positions".into(),
             E::NotCarried { .. } => "numbers of one drive: check bore, stroke, mass and rated flow with their units, and give the hoses and the dead volume".into(),
+            E::FittedNotCarried { shorter_computes: true, .. } => {
+                "--tick 0.5, which computes them, or a smaller standard deviation of the value in [fit.sigma]".into()
+            }
+            E::FittedNotCarried { .. } => {
+                "a smaller standard deviation of the value in [fit.sigma], or a smaller [fit.tolerance]".into()
+            }
             E::Linkage { cause, .. } => match cause {
                 LinkageError::NoTriangle { shortest_m, longest_m, .. } => {
                     let [shortest, longest] = [shortest_m, longest_m].map(|length| rounded(*length));
@@ -232,7 +245,8 @@ impl Explained for MachineFileError {
             | E::WithoutSource { .. }
             | E::DirectionalValveWithoutPump { .. }
             | E::Linkage { .. }
-            | E::NotCarried { .. } => None,
+            | E::NotCarried { .. }
+            | E::FittedNotCarried { .. } => None,
         }
     }
 }

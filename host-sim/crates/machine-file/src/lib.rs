@@ -12,6 +12,7 @@
 // No mathematics of the platform: its last bit differs from one to the next (clippy.toml).
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+mod carried;
 mod channels;
 pub mod data_sheet;
 mod error;
@@ -26,6 +27,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use model_core::machine::{Machine, Parameter};
 use recording::ChannelMap;
 
+pub use carried::carried;
 pub use error::MachineFileError;
 pub use reader::{MAX_FILE_BYTES, read, read_text};
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::header::Offer;
 use crate::linkage::Linkage;
 use crate::signal::{Signal, split_header};
+use crate::unit::Unit;
 
 /// How the readings of a sensor become the signal's value in SI units: (reading − zero)/full.
 ///
@@ -168,6 +169,14 @@ impl ChannelMap {
     #[must_use]
     pub fn get(&self, signal: Signal) -> Option<&Mapping> {
         self.entries.get(&signal)
+    }
+
+    /// The unit in which the machine counts its command, V or mA, where the header of its column has one and no sensor's scale changes it.
+    #[must_use]
+    pub fn command_unit(&self) -> Option<Unit> {
+        let mapping = self.get(Signal::Command).filter(|mapping| mapping.scale.is_none())?;
+        let (_, unit) = split_header(&mapping.header);
+        unit.and_then(Unit::parse).map(|unit| Unit::si(unit.dimension()))
     }
 
     /// This map without the entry of a signal.

@@ -11,7 +11,7 @@ use crate::display_unit::significant;
 use crate::error::RecordingError;
 use crate::files::source_error::{Place, counted, engineering, rounded};
 use crate::signal::Signal;
-use crate::unit::ATMOSPHERE_PA;
+use crate::unit::{ATMOSPHERE_PA, Unit};
 
 pub use crate::column::{Column, FromAngle};
 
@@ -241,6 +241,13 @@ impl Recording {
             return Err(RecordingError::TimeBackwards { place: place(), previous_s: pair[0], found_s: pair[1] });
         }
         Ok(Self::assemble(name, columns, Vec::new(), Vec::new()))
+    }
+
+    /// The same commands, in a unit that is not converted: V or mA.
+    pub fn count_command_in(&mut self, unit: Unit) {
+        for column in self.columns.iter_mut().filter(|column| column.signal == Signal::Command) {
+            (column.header, column.unit) = (format!("{} [{unit}]", column.signal), unit);
+        }
     }
 
     /// A recording of columns that are known to be valid.

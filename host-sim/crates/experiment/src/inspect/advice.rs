@@ -93,6 +93,13 @@ pub enum UnitDoubt {
         /// The unit of time with which it would agree, and the share with it.
         fitting: Option<(Unit, f64)>,
     },
+    /// The constant load of the machine file is more than the cylinder can lift.
+    Load {
+        /// The load, N; positive extends.
+        load_n: f64,
+        /// Supply pressure times the larger area, N.
+        full_n: f64,
+    },
 }
 
 /// A command, and how far the machine file says that it opens the valve.

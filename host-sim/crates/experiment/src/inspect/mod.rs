@@ -21,7 +21,7 @@ pub use channels::InspectedColumn;
 pub use excitation::{Excited, Opened, Travelled};
 pub use marks::{Mark, MarkKind};
 pub use testable::{LinkTest, Reach};
-pub use units::unit_doubts;
+pub use units::{load_doubt, unit_doubts};
 pub use unseen::Unseen;
 
 /// Everything that is found in one recording.
@@ -76,7 +76,8 @@ impl Inspection {
         let doubts = file.map(|file| unit_doubts(recording, &file.machine)).unwrap_or_default();
         // A doubtful unit says already why a signal moves otherwise than the model's.
         let is_explained = |suspicion: &Suspicion| {
-            matches!(suspicion, Suspicion::MovesOtherwise(..) | Suspicion::PressuresCrossed) && !doubts.is_empty()
+            matches!(suspicion, Suspicion::MovesOtherwise(..) | Suspicion::PressuresCrossed)
+                && doubts.iter().any(|doubt| !matches!(doubt, UnitDoubt::Load { .. }))
         };
         let suspicions = file.map(|file| first_look(file, recording)).unwrap_or_default();
         advice.extend(suspicions.into_iter().filter(|suspicion| !is_explained(suspicion)).map(Advice::Agreement));

@@ -36,7 +36,16 @@ pub fn unit_doubts(recording: &Recording, machine: &Machine<f64>) -> Vec<UnitDou
     let speed = if position.is_none() && command.is_none() { speed_doubt(recording, machine) } else { None };
     let pressures = [Signal::PressureA, Signal::PressureB, Signal::SupplyPressure];
     let pressures = pressures.into_iter().filter_map(|signal| pressure_doubt(recording.column(signal)?, machine));
-    command.into_iter().chain(position).chain(pressures).chain(speed).collect()
+    command.into_iter().chain(position).chain(pressures).chain(speed).chain(load_doubt(machine)).collect()
+}
+
+/// Whether the constant load is more than the supply pressure can lift on the larger side of the piston.
+#[must_use]
+pub fn load_doubt(machine: &Machine<f64>) -> Option<UnitDoubt> {
+    let load_n = machine.get(Parameter::LoadForce);
+    let area_m2 = machine.get(Parameter::AreaA).max(machine.get(Parameter::AreaB));
+    let full_n = machine.get(Parameter::SupplyPressure) * area_m2;
+    (machine.source != Source::Force && load_n.abs() > full_n).then_some(UnitDoubt::Load { load_n, full_n })
 }
 
 fn position_doubt(recording: &Recording, machine: &Machine<f64>) -> Option<UnitDoubt> {

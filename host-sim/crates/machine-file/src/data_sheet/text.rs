@@ -2,13 +2,11 @@
 
 use std::fmt::Write;
 
-use model_core::drive::Drive;
 use model_core::machine::Tick;
-use model_core::number::PerUnit;
 use recording::files::source_error::{Place, rounded};
 
 use super::derive::{Derived, Origin};
-use crate::{DELAY_LINE, MachineFileError, read_text};
+use crate::{MachineFileError, carried, read_text};
 
 /// Comments begin in this column, unless the line before them is longer.
 const COMMENTS: usize = 47;
@@ -20,8 +18,8 @@ const COMMENTS: usize = 47;
 pub fn checked_toml(file: &str, name: &str, made: &Derived) -> Result<String, MachineFileError> {
     let text = toml(name, made);
     let machine = read_text(file, &text)?.machine;
-    match Drive::<PerUnit>::new::<DELAY_LINE>(&machine, Tick::HalfMillisecond) {
-        Ok(_) => Ok(text),
+    match carried(&machine, Tick::HalfMillisecond) {
+        Ok(()) => Ok(text),
         Err(cause) => Err(MachineFileError::NotCarried { place: Place::file(file), cause }),
     }
 }

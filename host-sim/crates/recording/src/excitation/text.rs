@@ -3,11 +3,11 @@
 //! ```text
 //! excitation = name [ ":" item { "," item } ]
 //! item       = number unit | "seed=" integer
-//! unit       = "V" | "mV" | "s" | "ms" | "Hz"
+//! unit       = "V" | "mV" | "mA" | "s" | "ms" | "Hz"
 //! ```
 //!
 //! The unit of an item shows what the item is; items with the same unit are distinguished by their order. An item that is left out
-//! has the default in brackets.
+//! has the default in brackets. A height or an amplitude is in the unit of the machine's command, V or mA; those by default are in V.
 //!
 //! | name | items |
 //! |---|---|
@@ -23,8 +23,14 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use super::signals::Excitation;
+use crate::unit::{Dimension, Unit};
 
 const NAMES: [&str; 6] = ["zero", "step", "steps", "sweep", "random", "triangle"];
+
+const VOLT: &str = "V";
+const MILLIAMPERE: &str = "mA";
+/// Largest height in mA: that of a large proportional solenoid.
+const MOST_MA: f64 = 5000.0;
 
 /// Why a text is not an excitation.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -36,7 +42,9 @@ pub enum ExcitationError {
         found: String,
     },
     /// An item is not a number with a unit.
-    #[error("input {name}: \"{item}\" is not known; expected a number with unit V, mV, s, ms or Hz, or seed=integer")]
+    #[error(
+        "input {name}: \"{item}\" is not known; expected a number with unit V, mV, mA, s, ms or Hz, or seed=integer"
+    )]
     Item {
         /// The excitation's name.
         name: &'static str,
@@ -50,6 +58,16 @@ pub enum ExcitationError {
         name: &'static str,
         /// The number found.
         item: String,
+    },
+    /// A height in another unit than the machine's command.
+    #[error("input {name}: the amplitude is in {found}; expected {expected}, the unit of the command")]
+    Unit {
+        /// The excitation's name.
+        name: &'static str,
+        /// The unit found.
+        found: &'static str,
+        /// The command's.
+        expected: &'static str,
     },
     /// More items of one unit than the excitation takes.
     #[error("input {name}: {found} values in {unit}; expected at most {most}")]
@@ -98,7 +116,10 @@ impl ExcitationError {
         match self {
             ExcitationError::Name { found } => Some(found),
             ExcitationError::Item { item, .. } | ExcitationError::NoUnit { item, .. } => Some(item),
-            ExcitationError::TooMany { .. } | ExcitationError::Missing { .. } | ExcitationError::Range { .. } => None,
+            ExcitationError::Unit { .. }
+            | ExcitationError::TooMany { .. }
+            | ExcitationError::Missing { .. }
+            | ExcitationError::Range { .. } => None,
         }
     }
 }
@@ -106,15 +127,23 @@ impl ExcitationError {
 /// The items, sorted by unit.
 struct Items {
     name: &'static str,
-    volts: Vec<f64>,
+    /// In the unit of the command.
+    heights: Vec<f64>,
+    /// That unit: V or mA.
+    unit: &'static str,
     seconds: Vec<f64>,
     hertz: Vec<f64>,
     seeds: Vec<u64>,
 }
 
 impl Items {
-    fn read(name: &'static str, text: &str) -> Result<Self, ExcitationError> {
-        let mut items = Self { name, volts: Vec::new(), seconds: Vec::new(), hertz: Vec::new(), seeds: Vec::new() };
+    fn none(name: &'static str, unit: &'static str) -> Self {
+        Self { name, heights: Vec::new(), unit, seconds: Vec::new(), hertz: Vec::new(), seeds: Vec::new() }
+    }
+
+    /// `unit` is the command's; without it the first height has it.
+    fn read(name: &'static str, text: &str, unit: Option<&'static str>) -> Result<Self, ExcitationError> {
+        let (mut items, mut expected) = (Self::none(name, unit.unwrap_or(VOLT)), unit);
         for item in text.split(',').map(str::trim).filter(|item| !item.is_empty()) {
             if item.parse::<f64>().is_ok_and(f64::is_finite) {
                 return Err(ExcitationError::NoUnit { name, item: item.to_owned() });
@@ -128,8 +157,14 @@ impl Items {
             let (number, unit) = item.split_at(unit_at);
             let number: f64 = number.trim().parse().map_err(|_| wrong())?;
             match unit {
-                "V" => items.volts.push(number),
-                "mV" => items.volts.push(number * 1e-3),
+                "V" | "mV" | "mA" => {
+                    let found = if unit == MILLIAMPERE { MILLIAMPERE } else { VOLT };
+                    items.unit = *expected.get_or_insert(found);
+                    if found != items.unit {
+                        return Err(ExcitationError::Unit { name, found, expected: items.unit });
+                    }
+                    items.heights.push(if unit == "mV" { number * 1e-3 } else { number });
+                }
                 "s" => items.seconds.push(number),
                 "ms" => items.seconds.push(number * 1e-3),
                 "Hz" => items.hertz.push(number),
@@ -139,10 +174,10 @@ impl Items {
         Ok(items)
     }
 
-    /// Checks that there are at most so many values in volts, seconds, hertz and seeds.
+    /// Checks that there are at most so many heights, values in seconds, hertz and seeds.
     fn at_most(&self, most: [usize; 4]) -> Result<(), ExcitationError> {
-        let found = [self.volts.len(), self.seconds.len(), self.hertz.len(), self.seeds.len()];
-        for ((found, most), unit) in found.into_iter().zip(most).zip(["V", "s", "Hz", "seed"]) {
+        let found = [self.heights.len(), self.seconds.len(), self.hertz.len(), self.seeds.len()];
+        for ((found, most), unit) in found.into_iter().zip(most).zip([self.unit, "s", "Hz", "seed"]) {
             if found > most {
                 return Err(ExcitationError::TooMany { name: self.name, unit, found, most });
             }
@@ -150,11 +185,17 @@ impl Items {
         Ok(())
     }
 
-    fn volts(&self, default: Option<f64>) -> Result<f64, ExcitationError> {
-        let (what, unit) = ("the amplitude", "V");
-        let value =
-            self.volts.first().copied().or(default).ok_or(ExcitationError::Missing { name: self.name, what, unit })?;
-        self.within(what, value, unit, (-10.0, 10.0))
+    /// A height; its default is in V.
+    fn height(&self, default_v: Option<f64>) -> Result<f64, ExcitationError> {
+        let (what, unit) = ("the amplitude", self.unit);
+        let default = default_v.filter(|_| unit == VOLT);
+        let value = self.heights.first().copied().or(default).ok_or(ExcitationError::Missing {
+            name: self.name,
+            what,
+            unit,
+        })?;
+        let most = if unit == VOLT { 10.0 } else { MOST_MA };
+        self.within(what, value, unit, (-most, most))
     }
 
     fn seconds(&self, index: usize, what: &'static str, default: f64) -> Result<f64, ExcitationError> {
@@ -185,15 +226,32 @@ impl Items {
 impl FromStr for Excitation {
     type Err = ExcitationError;
 
+    /// One in V.
     fn from_str(text: &str) -> Result<Self, ExcitationError> {
+        Ok(Self::read(text, Some(Unit::si(Dimension::Voltage)))?.0)
+    }
+}
+
+impl Excitation {
+    /// An excitation for a machine whose command is in `unit`, V or mA, and the unit of its heights: that one, or else the text's own.
+    ///
+    /// # Errors
+    /// It is none, or it is in another unit.
+    pub fn read(text: &str, unit: Option<Unit>) -> Result<(Self, Unit), ExcitationError> {
         let (found, rest) = text.split_once(':').unwrap_or((text, ""));
         let found = found.trim();
         let name = *NAMES
             .iter()
             .find(|name| **name == found)
             .ok_or_else(|| ExcitationError::Name { found: found.to_owned() })?;
-        let items = Items::read(name, rest)?;
-        match name {
+        let is_current = |unit: Unit| unit.dimension() == Dimension::Current;
+        let items = Items::read(name, rest, unit.map(|unit| if is_current(unit) { MILLIAMPERE } else { VOLT }))?;
+        let dimension = if items.unit == MILLIAMPERE { Dimension::Current } else { Dimension::Voltage };
+        Ok((Self::of(&items)?, Unit::si(dimension)))
+    }
+
+    fn of(items: &Items) -> Result<Self, ExcitationError> {
+        match items.name {
             "zero" => {
                 items.at_most([0, 1, 0, 0])?;
                 Ok(Self::Zero { duration_s: items.seconds(0, "the length", 1.0)? })
@@ -201,16 +259,16 @@ impl FromStr for Excitation {
             "step" => {
                 items.at_most([1, 1, 0, 0])?;
                 let hold_s = items.seconds(0, "the time it is held", 0.5)?;
-                Ok(Self::Step { amplitude_v: items.volts(None)?, hold_s })
+                Ok(Self::Step { amplitude_v: items.height(None)?, hold_s })
             }
             "steps" => {
                 items.at_most([1, 0, 0, 0])?;
-                Ok(Self::Steps { amplitude_v: items.volts(None)? })
+                Ok(Self::Steps { amplitude_v: items.height(None)? })
             }
             "sweep" => {
                 items.at_most([1, 1, 2, 0])?;
                 Ok(Self::Sweep {
-                    amplitude_v: items.volts(Some(6.5))?,
+                    amplitude_v: items.height(Some(6.5))?,
                     from_hz: items.hertz(0, "the first frequency", 0.4)?,
                     to_hz: items.hertz(1, "the last frequency", 5.0)?,
                     duration_s: items.seconds(0, "the length", 4.0)?,
@@ -222,7 +280,7 @@ impl FromStr for Excitation {
                 let longest_s = items.seconds(1, "the longest step", 0.5_f64.max(shortest_s))?;
                 let longest_s = items.within("the longest step", longest_s, "s", (shortest_s, 3600.0))?;
                 Ok(Self::Random {
-                    amplitude_v: items.volts(Some(10.0))?,
+                    amplitude_v: items.height(Some(10.0))?,
                     shortest_s,
                     longest_s,
                     duration_s: items.seconds(2, "the length", 4.0)?,
@@ -232,7 +290,7 @@ impl FromStr for Excitation {
             _ => {
                 items.at_most([1, 1, 1, 0])?;
                 Ok(Self::Triangle {
-                    amplitude_v: items.volts(None)?,
+                    amplitude_v: items.height(None)?,
                     frequency_hz: items.hertz(0, "the frequency", 0.5)?,
                     duration_s: items.seconds(0, "the length", 4.0)?,
                 })
@@ -254,6 +312,20 @@ mod tests {
         assert_eq!("random:seed=7".parse(), Ok(Excitation::random_steps(7)));
         assert_eq!("steps:2V".parse(), Ok(Excitation::paper_steps(2.0)));
         assert_eq!("zero".parse(), Ok(Excitation::Zero { duration_s: 1.0 }));
+    }
+
+    #[test]
+    fn a_command_in_milliamperes_is_read_for_a_machine_that_counts_in_them() {
+        let (volt, milliampere) = (Unit::parse("V").unwrap(), Unit::parse("mA").unwrap());
+        let step = (Excitation::Step { amplitude_v: 4.0, hold_s: 0.5 }, milliampere);
+        assert_eq!(Excitation::read("step:4mA", Some(milliampere)), Ok(step));
+        assert_eq!(Excitation::read("step:4mA", None), Ok(step));
+        assert_eq!(Excitation::read("step:4V", None), Ok((step.0, volt)));
+        let message = |text: &str, unit| Excitation::read(text, Some(unit)).unwrap_err().to_string();
+        let wrong = "input step: the amplitude is in V; expected mA, the unit of the command";
+        assert_eq!(message("step:4V", milliampere), wrong);
+        assert!(message("step:4mA", volt).ends_with("is in mA; expected V, the unit of the command"));
+        assert!(message("sweep", milliampere).ends_with("the amplitude is missing; expected a value in mA"));
     }
 
     #[test]

@@ -30,9 +30,11 @@ pub fn fit(refit: &Refit, recordings: &[&Recording], doubts: &[Doubt], about: &A
     let budget = Budget::shared(refit.shown.len(), panels, 2);
     let held_out = refit.shown.iter().any(|shown| shown.held_out);
     let above = refit.left.iter().any(Miss::is_above_noise);
+    let worse = wording::fit_is_worse(refit);
     let top = html! {
-        h1 class=(if above { "missing" } else { "nothing" }) {
-            @if above { "What is left is more than noise, and no parameter that may move can remove it." }
+        h1 class=(if above || worse.is_some() { "missing" } else { "nothing" }) {
+            @if let Some(worse) = &worse { (worse) }
+            @else if above { "What is left is more than noise, and no parameter that may move can remove it." }
             @else { "The fitted model follows its recordings to about their noise." }
         }
         @for doubt in doubts { p class="fact" { "Doubt: " (wording::doubt(doubt)) "." } }

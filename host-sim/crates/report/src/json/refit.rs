@@ -3,10 +3,11 @@
 use serde_json::{Value, json};
 
 use diagnosis::localisation::Miss;
-use diagnosis::{Refit, mean_fits, mean_noise_floor};
+use diagnosis::{Refit, mean_fits, mean_noise_floor, worse_held_out};
 
 use super::diagnosis::{correlation, estimate, far_value, rounded, still_above_noise, tolerance, unsettled};
 use crate::terminal::missed;
+use crate::wording::fit_is_worse;
 
 /// The document.
 #[must_use]
@@ -32,6 +33,9 @@ pub fn refit(refit: &Refit) -> Value {
             "signals": still_above_noise(&refit.left),
             "is_above_noise": refit.left.iter().any(Miss::is_above_noise),
         },
+        "held_out": worse_held_out(&refit.shown).map(|falls| {
+            json!({ "is_worse": !falls.is_empty(), "sentence": fit_is_worse(refit) })
+        }),
         "fit": { "train": fits(false), "holdout": fits(true) },
     })
 }

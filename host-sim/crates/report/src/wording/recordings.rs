@@ -172,7 +172,7 @@ pub(crate) fn about(advice: &Advice) -> Option<Signal> {
         Advice::Unit(UnitDoubt::Current { .. }) => Some(Signal::Command),
         Advice::Unit(UnitDoubt::SpoolTravel { .. }) => Some(Signal::Spool),
         Advice::NeverOpens { by } | Advice::OpensOneWay { by, .. } => Some(*by),
-        Advice::Unit(UnitDoubt::Speed { .. })
+        Advice::Unit(UnitDoubt::Speed { .. } | UnitDoubt::Load { .. })
         | Advice::Agreement(Suspicion::PressuresCrossed)
         | Advice::DoesNotMove
         | Advice::MovesOneWay

@@ -47,6 +47,11 @@ pub fn unit_doubt(doubt: &UnitDoubt) -> String {
                 None => format!("{range}, and {by_file}: {}", in_channels(0.0, 2.0)),
             }
         }
+        UnitDoubt::Load { load_n, full_n } => format!(
+            "load.force_n of the machine file is {} N, beyond the full force of the cylinder, {} N (supply pressure times area): is its unit right?",
+            significant(*load_n, 3),
+            significant(*full_n, 3)
+        ),
         UnitDoubt::SpoolTravel { unit, share } => format!(
             "the measured spool goes {} as far as gain_per_v says of a held command: does the machine file count in {}, as the recording does?",
             times_as(*share),

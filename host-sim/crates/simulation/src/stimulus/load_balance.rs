@@ -1,8 +1,9 @@
 //! The load that balances the recorded pressures.
 
-use model_core::machine::{Machine, Parameter};
+use model_core::machine::{Machine, Parameter, Tick};
 use recording::{Recording, Signal};
 
+use super::is_carried;
 use crate::error::SimulateError;
 use crate::sensor_bias::{PRESSURE_A, PRESSURE_B, behind};
 use crate::signal::noise::{extent, noise, resolution};
@@ -28,8 +29,20 @@ pub(crate) fn pressure_force(recording: &Recording, machine: &Machine<f64>) -> R
 }
 
 /// Viscous friction that keeps the rod from ringing on the oil spring and hardly brakes it otherwise, N s/m: a twentieth
-/// of critical damping, or the machine's where that is less.
-pub(crate) fn light_damping(machine: &Machine<f64>) -> f64 {
+/// of critical damping, or the machine's where that is less. More, up to the machine's, where the step does not compute the same machine with so little.
+pub(crate) fn light_damping(machine: &Machine<f64>, tick: Tick) -> f64 {
+    /// From one trial to the next.
+    const MORE: f64 = 2.0;
+    let (lightest, own) = (lightest_damping(machine), machine.get(Parameter::ViscousFriction));
+    let is_computed = |damping: f64| is_carried(&machine.with(&[(Parameter::ViscousFriction, damping)]), tick);
+    if lightest <= 0.0 || is_computed(lightest) || !is_carried(machine, tick) {
+        return lightest;
+    }
+    let mut more = std::iter::successors(Some(lightest), |damping| Some(MORE * damping));
+    more.find(|damping| *damping >= own || is_computed(*damping)).map_or(own, |damping| damping.min(own))
+}
+
+fn lightest_damping(machine: &Machine<f64>) -> f64 {
     let side = |area: Parameter, volume: Parameter| {
         machine.get(area).powi(2) * machine.get(Parameter::BulkModulus) / machine.get(volume)
     };

@@ -9,12 +9,10 @@ use std::sync::Arc;
 
 use load_balance::{balance, light_damping, pressure_force};
 
-use machine_file::{DELAY_LINE, LoadSource};
-use model_core::drive::Drive;
+use machine_file::{LoadSource, carried};
 use model_core::drive::{DriveInput, Load};
 use model_core::flow::PumpDrive;
 use model_core::machine::{Bases, Machine, Parameter, Source, Tick};
-use model_core::number::PerUnit;
 use model_core::number::{Number, Scalar};
 use model_core::ports::{Flows, Spool};
 use recording::{Recording, Signal};
@@ -126,7 +124,7 @@ pub fn tick_for(recording: &Recording, machine: &Machine<f64>) -> Tick {
 /// Whether the step computes the machine at this tick.
 #[must_use]
 pub fn is_carried(machine: &Machine<f64>, tick: Tick) -> bool {
-    Drive::<PerUnit>::new::<DELAY_LINE>(machine, tick).is_ok()
+    carried(machine, tick).is_ok()
 }
 
 impl Stimulus {
@@ -194,7 +192,7 @@ impl Stimulus {
         let spool = recording.signal(Signal::Spool).filter(|_| input_point == InputPoint::Command);
         let spool = spool.map(|spool| grid.points(spool).into());
         let balanced = load == LoadSource::RecordedPressures && input_point != InputPoint::Force;
-        let damping = balanced.then(|| light_damping(machine));
+        let damping = balanced.then(|| light_damping(machine, tick));
         let load_n = if let Some(damping) = damping {
             let balance = balance(recording, machine, damping)?;
             Some(grid.points(&balance))
