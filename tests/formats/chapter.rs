@@ -86,7 +86,11 @@ fn a_unit_stands_in_brackets_or_another_known_way() {
 }
 
 fn a_dimensionless_signal_needs_no_unit() {
-    assert_eq!(reads("time [s],spool\n0,0.5\n1,0.25\n").signal(Signal::Spool).unwrap(), [0.5, 0.25]);
+    for header in ["spool", "spool [-]", "spool (-)", "spool/1"] {
+        let text = format!("time [s],{header}\n0,0.5\n1,0.25\n");
+        assert_eq!(reads(text).signal(Signal::Spool).unwrap(), [0.5, 0.25], "{header}");
+    }
+    assert!(refused("time [s],position (-)\n0,0.5\n1,0.25\n").contains("`-`"));
 }
 
 fn other_names_are_mapped() {
@@ -106,6 +110,15 @@ fn a_line_of_channels_for_a_column_that_is_not_there_does_nothing() {
     let read = |text: &str| read_from("run.csv", text.as_bytes(), &file.channels).unwrap();
     assert_eq!(read("time [s],position [mm]\n0,1\n1,2\n").signal(Signal::Position).unwrap(), [1e-3, 2e-3]);
     assert_eq!(read("time [s],Weg [mm]\n0,1\n1,2\n").signal(Signal::Position).unwrap(), [1e-3, 2e-3]);
+}
+
+fn a_column_in_an_unknown_unit_is_left_out_as_the_error_says() {
+    let text = "time [s],position [mm],oil_temperature [degF]\n0,1,70\n1,2,70\n";
+    let remedy = "unused = [\"oil_temperature [degF]\"]";
+    assert!(refused(text).contains(remedy), "{}", refused(text));
+    let preset = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets/press-63-40.toml")).unwrap();
+    let file = machine_file::read_text("m.toml", &format!("{preset}\n[channels]\n{remedy}\n")).unwrap();
+    assert_eq!(read_from("run.csv", text.as_bytes(), &file.channels).unwrap().rows(), 2);
 }
 
 fn a_block_is_guessed_where_no_column_is_known() {
@@ -201,7 +214,12 @@ fn the_decimal_mark_is_one_for_the_whole_file() {
 fn units_stand_in_a_row_below_the_header() {
     for row in ["s,mm", "[s],[mm]"] {
         positions(&format!("time,position\n{row}\n0,1\n1,2\n"), &[1e-3, 2e-3]);
+        positions(&format!("time [s],position [mm]\n{row}\n0,1\n1,2\n"), &[1e-3, 2e-3]);
     }
+    let told = refused("time [s],position [mm]\ns,cm\n0,1\n1,2\n");
+    assert!(told.contains("`mm`") && told.contains("`cm`"), "{told}");
+    let map = ChannelMap::from_arguments(["position=position_mm"]).unwrap();
+    assert!(read_from("run.csv", &b"time [s],position_mm\ns,cm\n0,1\n1,2\n"[..], &map).is_err());
 }
 
 fn dates_and_durations_are_times() {
@@ -285,6 +303,7 @@ const CLAIMS: &[Claim] = &[
     ("2. beside the name", fixtures::units_are_those_of_the_file),
     ("3. behind an underscore", fixtures::units_are_those_of_the_file),
     ("A dimensionless signal", a_dimensionless_signal_needs_no_unit),
+    ("A dimensionless signal", a_column_in_an_unknown_unit_is_left_out_as_the_error_says),
     ("A dimensionless signal", other_names_are_mapped),
     ("A dimensionless signal", fixtures::every_format_is_mapped),
     ("A dimensionless signal", a_line_of_channels_for_a_column_that_is_not_there_does_nothing),

@@ -6,10 +6,11 @@ use crate::files::atomic;
 use crate::files::source_error::{Explained, Place, after_number, counted, engineering, quoted};
 use crate::formats::format::Format;
 use crate::formats::mark_fault::{MarkFault, MarkedCell};
+use crate::formats::text_fault::TextFault;
 use crate::formats::unsupported::Unsupported;
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};
-use crate::unit_in_name::variable;
+use crate::unit_in_name::{split_suffix, variable};
 
 /// Why a recording cannot be read, or cannot be used for the purpose in hand.
 #[expect(missing_docs, reason = "every field is named in the text of its variant; `place` is where it was found")]
@@ -59,6 +60,8 @@ pub enum RecordingError {
     NotANumber { place: Place, header: String, found: String },
     /// The mark in a number does not say, or contradicts, which number it is.
     Mark { place: Place, cell: Box<MarkedCell>, fault: MarkFault },
+    /// The layout of a text does not say, or contradicts, what its cells are.
+    Text { place: Place, fault: TextFault },
     /// A time that is not written as those of the rows above.
     NotAStamp { place: Place, header: String, found: String },
     /// A cell of a known column is NaN or infinite, as written or after conversion to SI.
@@ -124,6 +127,7 @@ impl Explained for RecordingError {
             | E::RaggedRow { place, .. }
             | E::NotANumber { place, .. }
             | E::Mark { place, .. }
+            | E::Text { place, .. }
             | E::NotAStamp { place, .. }
             | E::NotFinite { place, .. }
             | E::AngleOutOfReach { place, .. }
@@ -195,6 +199,7 @@ impl Explained for RecordingError {
             E::Mark { cell, fault, .. } => {
                 format!("column {} holds {}{}", quoted(&cell.header), quoted(&cell.text), fault.found(&cell.text))
             }
+            E::Text { fault, .. } => fault.found(),
             E::AngleOutOfReach { found, unit, .. } => {
                 format!("a joint angle of {found} {unit}, which the linkage of the machine file does not reach")
             }
@@ -257,16 +262,18 @@ impl Explained for RecordingError {
                     format!("a unit in brackets after the name, in the file or as --map \"{signal}={header} […]\"")
                 };
                 if columns.len() == 1 {
-                    return format!("{how}, one of: {}", signal.units());
+                    return format!("{how}, one of: {}{}", signal.units(), or_unused(*signal, header));
                 }
                 let each =
                     columns.iter().map(|(signal, header)| format!("{} one of: {}", quoted(header), signal.units()));
                 format!("{how}: {}", each.collect::<Vec<_>>().join("; "))
             }
-            E::UnknownUnit { signal, .. } => {
-                format!("a unit in brackets after the name, one of: {}", signal.units())
+            E::UnknownUnit { signal, header, .. } => {
+                format!("a unit in brackets after the name, one of: {}{}", signal.units(), or_unused(*signal, header))
             }
-            E::WrongDimension { signal, .. } => format!("a unit of {signal}, one of: {}", signal.units()),
+            E::WrongDimension { signal, header, .. } => {
+                format!("a unit of {signal}, one of: {}{}", signal.units(), or_unused(*signal, header))
+            }
             E::MappedColumnAbsent { present, .. } | E::ColumnAbsent { present, .. } => {
                 format!("one of its headers: {}", present.join(", "))
             }
@@ -275,6 +282,7 @@ impl Explained for RecordingError {
                 "a decimal number such as -12.5 or 1.5e-3; units stand in the header, as `position [mm]`".into()
             }
             E::Mark { fault, .. } => fault.expected().into(),
+            E::Text { fault, .. } => fault.expected().into(),
             E::NotAStamp { .. } => "a time written as in the rows above, such as 2024-05-06T07:08:09.125".into(),
             E::NotFinite { .. } => "a finite number".into(),
             E::AngleOutOfReach { from, to, unit, .. } => {
@@ -335,12 +343,25 @@ impl Explained for RecordingError {
             | E::NotNumbers { header, .. }
             | E::LengthMismatch { header, .. } => Some(header.clone()),
             E::DuplicateColumn { second, .. } => Some(second.clone()),
+            E::Text {
+                fault: TextFault::UnitsDiffer { header, .. } | TextFault::UnreadableTime { header, .. }, ..
+            } => Some(header.clone()),
             E::AngleOutOfReach { .. } => Some(Signal::Angle.name().to_owned()),
             E::TimeBackwards { .. } => Some(Signal::Time.name().to_owned()),
             E::MissingSignal { signal, .. } | E::ConstantSignal { signal, .. } => Some(signal.name().to_owned()),
             _ => None,
         }
     }
+}
+
+/// How a column that is known by its name, and not needed, is left out; nothing of one that a map names, or of time.
+fn or_unused(signal: Signal, header: &str) -> String {
+    let name = split_header(header).0;
+    let is_known = name == signal.name() || split_suffix(name).is_some_and(|(name, _)| name == signal.name());
+    if signal == Signal::Time || !is_known {
+        return String::new();
+    }
+    format!("; where it is not needed, `unused = [{header:?}]` in [channels] of the machine file leaves it out")
 }
 
 /// What a text without time needs, which has these columns.

@@ -160,7 +160,8 @@ fn columns_that_cannot_be_understood_are_refused() {
     let error = refused("time [s],position [bar]\n", Some(1));
     assert_eq!(
         error.to_string(),
-        "run.csv:1:10: position is given in `bar`; expected a unit of position, one of: m mm"
+        "run.csv:1:10: position is given in `bar`; expected a unit of position, one of: m mm; where it is not needed, \
+         `unused = [\"position [bar]\"]` in [channels] of the machine file leaves it out"
     );
 }
 

@@ -19,6 +19,8 @@ pub(crate) struct Heading {
     pub(crate) names: Vec<String>,
     /// What the row below says of the unit of each, if it is a row of units.
     units: Vec<Option<String>>,
+    /// The number and text of that row.
+    units_line: (usize, String),
     /// Columns whose first cell is a date or a time of day.
     stamped: Vec<bool>,
 }
@@ -34,7 +36,8 @@ impl Heading {
             names.pop();
         }
         let (units, stamped) = (vec![None; names.len()], vec![false; names.len()]);
-        Ok((Self { file, line, separator: splitter.separator(), names, units, stamped }, splitter))
+        let units_line = (0, String::new());
+        Ok((Self { file, line, separator: splitter.separator(), names, units, units_line, stamped }, splitter))
     }
 
     /// Looks at the row below: takes it, if it is a row of units, and finds dates in the first row of numbers.
@@ -46,7 +49,8 @@ impl Heading {
                 lines.put_back();
                 return Ok(());
             };
-            if may_be_units && are_units(cells) {
+            if may_be_units && are_units(&self.names, cells) {
+                self.units_line = (below.number(), below.text.to_owned());
                 self.units = (0..self.names.len()).map(|index| unit_text(cells.get(index))).collect();
                 continue;
             }
@@ -59,7 +63,14 @@ impl Heading {
 
     /// The columns by their names.
     pub(crate) fn offers(&self) -> Vec<Offer> {
-        let of = |index: usize| Offer::beside(&self.names[index], self.units[index].as_deref());
+        let of = |index: usize| {
+            let mut offer = Offer::beside(&self.names[index], self.units[index].as_deref());
+            if let Some(clash) = &mut offer.clash {
+                let (number, text) = &self.units_line;
+                clash.beside_at = Some(TextLine::of(&self.file, *number, text).cell(self.separator, index));
+            }
+            offer
+        };
         (0..self.names.len()).map(of).collect()
     }
 
@@ -112,16 +123,24 @@ impl Heading {
     }
 }
 
-/// Whether these cells are units: at least one is, and none is a number but the 1 of a pure number.
-fn are_units(cells: Cells<'_>) -> bool {
+/// Whether these cells are units: at least one is, or is a word where the header says that a unit can stand, and none is a number but the 1 of a pure number.
+fn are_units(names: &[String], cells: Cells<'_>) -> bool {
     let mut any = false;
-    for cell in cells.iter() {
+    for (index, cell) in cells.iter().enumerate() {
         let Some(text) = unit_text(cell) else { continue };
         let is_number = text.replacen(',', ".", 1).parse::<f64>().is_ok_and(|_| text != "1");
         if is_number || is_missing(cell) || clock::is_stamp(cell) {
             return false;
         }
-        any |= Unit::parse(&text).is_some_and(|unit| unit.symbol() != "1");
+        let has_unit = |name: &String| {
+            let (short, unit) = split_header(name);
+            Signal::parse(short).is_some() || unit.is_some_and(|unit| Unit::parse(unit).is_some())
+        };
+        let is_word = text.starts_with(char::is_alphabetic) && !text.contains(char::is_whitespace);
+        any |= match Unit::parse(&text) {
+            Some(unit) => unit.symbol() != "1",
+            None => is_word && names.get(index).is_some_and(has_unit),
+        };
     }
     any
 }
@@ -152,13 +171,35 @@ mod tests {
             assert_eq!(recording.signal(Signal::PressureA).unwrap(), [70e5, 71e5]);
             assert_eq!(recording.column(Signal::Position).unwrap().header, "position [mm]");
         }
-        // With a unit in the header as well, that one counts.
-        let both = read("time [s],position [mm]\n,m\n0,1\n1,2\n").unwrap();
-        assert_eq!(both.signal(Signal::Position).unwrap(), [0.001, 0.002]);
+        for units in ["s,mm", ",[mm]", ",(mm)", "s,"] {
+            let both = read(&format!("time [s],position [mm]\n{units}\n0,1\n1,2\n")).unwrap();
+            assert_eq!(both.signal(Signal::Position).unwrap(), [0.001, 0.002], "{units}");
+        }
         let map = ChannelMap::from_arguments(["position=Weg", "time=Zeit"]).unwrap();
         let mapped = read_from("r.csv", &b"Weg;Zeit\nmm;s\n1,5;0\n2,5;1\n"[..], &map).unwrap();
         assert_eq!(mapped.signal(Signal::Position).unwrap(), [0.0015, 0.0025]);
         assert!(matches!(read("time,position\n0,1\n1,2\n"), Err(RecordingError::MissingUnit { .. })));
+    }
+
+    #[test]
+    fn a_row_of_units_that_contradicts_the_header_is_refused_with_both_cells() {
+        let told = read("time [s],position [mm]\ns,cm\n0,1\n1,2\n").unwrap_err().to_string();
+        let expected = "run.csv:1:10: column `position [mm]` has the unit `mm` in its name and `cm` in the row of units, line 2 column 3; expected one \
+                        unit: correct the header or the row of units";
+        assert_eq!(told, expected);
+        for text in ["time [s],position [mm]\n,m", "time [s],position [mm]\n,cm", "time [ms],position [mm]\ns,mm"] {
+            let told = read(&format!("{text}\n0,1\n1,2\n")).unwrap_err();
+            assert!(matches!(told, RecordingError::Text { .. }), "{told}");
+        }
+        // Behind an underscore, too, where the column is mapped; a letter may stand for something else.
+        let map = ChannelMap::from_arguments(["position=Weg_mm", "force=Kraft_s"]).unwrap();
+        let read_mapped = |text: &str| read_from("r.csv", text.as_bytes(), &map);
+        assert!(read_mapped("time [s],Weg_mm,Kraft_s\ns,cm,N\n0,1,2\n1,2,2\n").is_err());
+        let agreed = read_mapped("time [s],Weg_mm,Kraft_s\ns,mm,N\n0,1,2\n1,2,2\n").unwrap();
+        assert_eq!(agreed.signal(Signal::Position).unwrap(), [0.001, 0.002]);
+        // A column that nobody needs does not matter, nor does one that is left out.
+        assert_eq!(read("time [s],spool,x [mm]\ns,1,cm\n0,1,1\n1,2,1\n").unwrap().rows(), 2);
+        assert!(read("time [s],position\n,cm\n0,1\n1,2\n").unwrap_err().to_string().contains("unknown unit `cm`"));
     }
 
     #[test]
