@@ -1,5 +1,6 @@
 //! Why a recording cannot be used.
 
+use std::path::Path;
 use std::{fmt, io};
 
 use crate::files::atomic;
@@ -44,6 +45,8 @@ pub enum RecordingError {
     Index { place: Place, header: String },
     /// Two columns hold the same signal.
     DuplicateColumn { place: Place, signal: Signal, first: String, second: String },
+    /// Two columns that are to be read are called alike; their numbers, from 1.
+    AlikeColumns { place: Place, header: String, numbers: [usize; 2] },
     /// Known names without a unit in brackets; `place` is where the first one stands.
     MissingUnit { place: Place, columns: Vec<(Signal, String)> },
     /// A known name with an unknown unit.
@@ -119,6 +122,7 @@ impl Explained for RecordingError {
             | E::NoTimeColumn { place, .. }
             | E::Index { place, .. }
             | E::DuplicateColumn { place, .. }
+            | E::AlikeColumns { place, .. }
             | E::MissingUnit { place, .. }
             | E::UnknownUnit { place, .. }
             | E::WrongDimension { place, .. }
@@ -172,6 +176,9 @@ impl Explained for RecordingError {
             E::NoTimeColumn { present, .. } if are_numbers(present) => "numbers where the header should be".into(),
             E::NoTimeColumn { .. } => "no column is time".into(),
             E::Index { header, .. } => format!("column {} numbers the rows, and is mapped to time", quoted(header)),
+            E::AlikeColumns { header, numbers: [first, second], .. } => {
+                format!("columns {first} and {second} are both called {}", quoted(header))
+            }
             E::DuplicateColumn { signal, first, second, .. } => {
                 format!("columns {} and {} both hold {signal}", quoted(first), quoted(second))
             }
@@ -233,6 +240,9 @@ impl Explained for RecordingError {
 
     fn expected(&self) -> String {
         match self {
+            E::Io { source, .. } if source.kind() == io::ErrorKind::InvalidData => {
+                "a whole file: save or copy it again".into()
+            }
             E::Io { .. } => "a readable file".into(),
             E::Write { source, .. } => atomic::expected(source).into(),
             E::Empty { .. } => "a header such as `time [s],command [V],position [mm]` and rows".into(),
@@ -243,31 +253,20 @@ impl Explained for RecordingError {
                 "a text file with a header and one row a line".into()
             }
             E::NotUtf8 { .. } => {
-                "text in UTF-8, UTF-16 or Windows-1252; others are converted by `iconv -f … -t UTF-8 in.csv > out.csv`"
+                "text in UTF-8, UTF-16 or Windows-1252; others are converted by `iconv -f … -t UTF-8 in.csv > out.csv`. A file that is no text is exported \
+                 as CSV by the program that wrote it"
                     .into()
             }
-            E::ControlCharacter { .. } => "a text file in UTF-8 with line ends LF or CRLF".into(),
+            E::ControlCharacter { .. } => {
+                "a text file in UTF-8 with line ends LF or CRLF; one that is no text is exported as CSV by the program that wrote it"
+                    .into()
+            },
             E::OpenQuote { .. } => "a closing quotation mark on the same line".into(),
             E::NoTimeColumn { present, .. } => time_column(present),
             E::Index { .. } => "a column of times: the number of a row is not its time".into(),
+            E::AlikeColumns { .. } => "names that differ: rename or delete one of the two columns".into(),
             E::DuplicateColumn { signal, .. } => format!("one column for {signal}; choose with --map \"{signal}=…\""),
-            E::MissingUnit { place, columns } => {
-                let [(signal, header), ..] = columns.as_slice() else { return String::new() };
-                let unit = signal.si_unit();
-                let bracketed = format!("{signal} [{unit}]");
-                let how = if place.spot.is_none() {
-                    let plain = variable(&bracketed, unit, &[]);
-                    format!("a unit with the name, as `{bracketed}` or `{plain}`")
-                } else {
-                    format!("a unit in brackets after the name, in the file or as --map \"{signal}={header} […]\"")
-                };
-                if columns.len() == 1 {
-                    return format!("{how}, one of: {}{}", signal.units(), or_unused(*signal, header));
-                }
-                let each =
-                    columns.iter().map(|(signal, header)| format!("{} one of: {}", quoted(header), signal.units()));
-                format!("{how}: {}", each.collect::<Vec<_>>().join("; "))
-            }
+            E::MissingUnit { place, columns } => missing_units(place, columns),
             E::UnknownUnit { signal, header, .. } => {
                 format!("a unit in brackets after the name, one of: {}{}", signal.units(), or_unused(*signal, header))
             }
@@ -278,10 +277,11 @@ impl Explained for RecordingError {
                 format!("one of its headers: {}", present.join(", "))
             }
             E::RaggedRow { expected, .. } => format!("{expected} cells, as many as the header has"),
-            E::NotANumber { .. } => {
-                "a decimal number such as -12.5 or 1.5e-3; units stand in the header, as `position [mm]`".into()
+            E::NotANumber { found, .. } => number(found).into(),
+            E::Mark { place, fault, .. } => {
+                let is_workbook = Format::of_extension(Path::new(&*place.file)) == Some(Format::Xlsx);
+                fault.expected(is_workbook).into()
             }
-            E::Mark { fault, .. } => fault.expected().into(),
             E::Text { fault, .. } => fault.expected().into(),
             E::NotAStamp { .. } => "a time written as in the rows above, such as 2024-05-06T07:08:09.125".into(),
             E::NotFinite { .. } => "a finite number".into(),
@@ -341,11 +341,12 @@ impl Explained for RecordingError {
             | E::NotFinite { header, .. }
             | E::NoTimes { header, .. }
             | E::NotNumbers { header, .. }
-            | E::LengthMismatch { header, .. } => Some(header.clone()),
-            E::DuplicateColumn { second, .. } => Some(second.clone()),
-            E::Text {
+            | E::LengthMismatch { header, .. }
+            | E::AlikeColumns { header, .. }
+            | E::Text {
                 fault: TextFault::UnitsDiffer { header, .. } | TextFault::UnreadableTime { header, .. }, ..
             } => Some(header.clone()),
+            E::DuplicateColumn { second, .. } => Some(second.clone()),
             E::AngleOutOfReach { .. } => Some(Signal::Angle.name().to_owned()),
             E::TimeBackwards { .. } => Some(Signal::Time.name().to_owned()),
             E::MissingSignal { signal, .. } | E::ConstantSignal { signal, .. } => Some(signal.name().to_owned()),
@@ -362,6 +363,35 @@ fn or_unused(signal: Signal, header: &str) -> String {
         return String::new();
     }
     format!("; where it is not needed, `unused = [{header:?}]` in [channels] of the machine file leaves it out")
+}
+
+/// What columns without a unit need.
+fn missing_units(place: &Place, columns: &[(Signal, String)]) -> String {
+    let [(signal, header), ..] = columns else { return String::new() };
+    let unit = signal.si_unit();
+    let bracketed = format!("{signal} [{unit}]");
+    let how = if place.spot.is_none() {
+        let plain = variable(&bracketed, unit, &[]);
+        format!("a unit with the name, as `{bracketed}` or `{plain}`")
+    } else {
+        format!("a unit in brackets after the name, in the file or as --map \"{signal}={header} […]\"")
+    };
+    if columns.len() == 1 {
+        return format!("{how}, one of: {}{}", signal.units(), or_unused(*signal, header));
+    }
+    let each = columns.iter().map(|(signal, header)| format!("{} one of: {}", quoted(header), signal.units()));
+    format!("{how}: {}", each.collect::<Vec<_>>().join("; "))
+}
+
+/// What a cell of numbers needs that holds this.
+fn number(found: &str) -> &'static str {
+    match found.chars().next() {
+        Some('=') => {
+            "a number: formulas without a saved value are calculated when the file is opened in a spreadsheet program and saved there"
+        }
+        Some('#') => "a number: correct the formula, or leave the cell empty, as a missing value",
+        _ => "a decimal number such as -12.5 or 1.5e-3; units stand in the header, as `position [mm]`",
+    }
 }
 
 /// What a text without time needs, which has these columns.

@@ -97,16 +97,15 @@ impl Offer {
 /// The unit in a header and the one beside it, where they differ. Behind an underscore any letter may stand, so there only a unit of the same quantity, or an
 /// unknown one, contradicts it.
 pub(crate) fn clash(header: &str, beside: &str) -> Option<Box<UnitClash>> {
-    let in_name = match split_header(header).1 {
-        Some(in_name) => in_name,
-        None => {
-            let suffix = split_suffix(header)?.1;
-            let is_other = Unit::parse(beside).is_some_and(|unit| unit.dimension() != suffix.dimension());
-            if is_other {
-                return None;
-            }
-            suffix.symbol()
+    let in_name = if let Some(in_name) = split_header(header).1 {
+        in_name
+    } else {
+        let suffix = split_suffix(header)?.1;
+        let is_other = Unit::parse(beside).is_some_and(|unit| unit.dimension() != suffix.dimension());
+        if is_other {
+            return None;
         }
+        suffix.symbol()
     };
     let differ = !is_same_unit(in_name, beside);
     differ.then(|| Box::new(UnitClash { in_name: in_name.to_owned(), beside: beside.to_owned(), beside_at: None }))
@@ -154,7 +153,15 @@ pub(crate) fn assign(
             !fits && (0..offers.len()).any(|other| other != index && offers[other].is_named(signal))
         };
         match found.filter(|index| mapping.required || !is_unusable(*index)) {
-            Some(index) => mapped.push((index, signal, mapping)),
+            Some(index) => {
+                let is_alike = |other: &usize| {
+                    offers[*other].header == offers[index].header && offers[*other].is_meant_by(mapping)
+                };
+                if let Some(second) = (index + 1..offers.len()).find(is_alike) {
+                    return Err(twice(signal, offers, [index, second], place(second)));
+                }
+                mapped.push((index, signal, mapping));
+            }
             None if mapping.required => {
                 let present = offers.iter().map(|offer| offer.header.clone()).collect();
                 let header = mapping.header.clone();
@@ -192,9 +199,8 @@ pub(crate) fn assign(
         };
         let is_absolute = signal.is_pressure() && map.pressure == PressureZero::Absolute;
         let unit = if is_absolute { unit.absolute() } else { unit };
-        if let Some((_, first)) = assignment.known.iter().find(|(_, column)| column.signal == signal) {
-            let (first, second) = (first.header.clone(), offer.header.clone());
-            return Err(RecordingError::DuplicateColumn { place: place(index), signal, first, second });
+        if let Some((first, _)) = assignment.known.iter().find(|(_, column)| column.signal == signal) {
+            return Err(twice(signal, offers, [*first, index], place(index)));
         }
         let header = offer.header.clone();
         assignment.known.push((index, Column::of_file(header, signal, unit)));
@@ -204,6 +210,15 @@ pub(crate) fn assign(
     }
     through_linkage(&mut assignment, map);
     Ok(assignment)
+}
+
+/// The error of two columns for one signal.
+fn twice(signal: Signal, offers: &[Offer], [first, second]: [usize; 2], place: Place) -> RecordingError {
+    let [one, other] = [first, second].map(|index| offers[index].header.clone());
+    if one == other {
+        return RecordingError::AlikeColumns { place, header: one, numbers: [first + 1, second + 1] };
+    }
+    RecordingError::DuplicateColumn { place, signal, first: one, second: other }
 }
 
 /// Takes the position from the angle of the joint where only that was recorded.
