@@ -86,7 +86,11 @@ fn a_unit_stands_in_brackets_or_another_known_way() {
 }
 
 fn a_dimensionless_signal_needs_no_unit() {
-    assert_eq!(reads("time [s],spool\n0,0.5\n1,0.25\n").signal(Signal::Spool).unwrap(), [0.5, 0.25]);
+    for header in ["spool", "spool [-]", "spool (-)", "spool/1"] {
+        let text = format!("time [s],{header}\n0,0.5\n1,0.25\n");
+        assert_eq!(reads(text).signal(Signal::Spool).unwrap(), [0.5, 0.25], "{header}");
+    }
+    assert!(refused("time [s],position (-)\n0,0.5\n1,0.25\n").contains("`-`"));
 }
 
 fn other_names_are_mapped() {
@@ -106,6 +110,15 @@ fn a_line_of_channels_for_a_column_that_is_not_there_does_nothing() {
     let read = |text: &str| read_from("run.csv", text.as_bytes(), &file.channels).unwrap();
     assert_eq!(read("time [s],position [mm]\n0,1\n1,2\n").signal(Signal::Position).unwrap(), [1e-3, 2e-3]);
     assert_eq!(read("time [s],Weg [mm]\n0,1\n1,2\n").signal(Signal::Position).unwrap(), [1e-3, 2e-3]);
+}
+
+fn a_column_in_an_unknown_unit_is_left_out_as_the_error_says() {
+    let text = "time [s],position [mm],oil_temperature [degF]\n0,1,70\n1,2,70\n";
+    let remedy = "unused = [\"oil_temperature [degF]\"]";
+    assert!(refused(text).contains(remedy), "{}", refused(text));
+    let preset = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets/press-63-40.toml")).unwrap();
+    let file = machine_file::read_text("m.toml", &format!("{preset}\n[channels]\n{remedy}\n")).unwrap();
+    assert_eq!(read_from("run.csv", text.as_bytes(), &file.channels).unwrap().rows(), 2);
 }
 
 fn a_block_is_guessed_where_no_column_is_known() {
@@ -169,8 +182,14 @@ fn the_encoding_is_utf_8_utf_16_or_windows_1252() {
         assert_eq!(reads(&wide).signal(Signal::Position).unwrap(), [1.5e-3, 2.5e-3]);
         assert_eq!(survey_from("run.txt", wide.as_slice()).unwrap().len(), 3);
     }
-    let unmarked: Vec<u8> = "time [s],position [mm]\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
-    assert!(refused(unmarked).contains("UTF-8"));
+    for order in [u16::to_le_bytes, u16::to_be_bytes] {
+        let unmarked = |text: &str| text.encode_utf16().flat_map(order).collect::<Vec<u8>>();
+        assert_eq!(
+            reads(unmarked("time [s],position [mm]\n0,1\n1,2\n")).signal(Signal::Position).unwrap(),
+            [1e-3, 2e-3]
+        );
+        assert!(refused(unmarked("Weg ü,time [s],position [mm]\n0,0,1\n")).contains("UTF-8"));
+    }
 }
 
 fn the_separator_is_the_first_of_the_header_or_what_sep_says() {
@@ -179,11 +198,30 @@ fn the_separator_is_the_first_of_the_header_or_what_sep_says() {
         "time [s];position [mm]\n0;1\n1;2\n",
         "time [s]\tposition [mm]\n0\t1\n1\t2\n",
         "sep=;\ntime [s];position [mm]\n0;1\n1;2\n",
+        "time [s]|position [mm]\n0|1\n1|2\n",
+        "sep=:\ntime [s]:position [mm]\n0:1\n1:2\n",
         "time [s],position [mm],\n0,1,\n1,2,\n",
         "# made by hand\n\ntime [s],position [mm]\n0,1\n# between\n\n1,2\n",
     ] {
         positions(text, &[1e-3, 2e-3]);
     }
+    assert!(refused("time [s]  position [mm]\n0  1\n1  2\n").contains("separated by blanks"));
+}
+
+fn words_below_the_rows_are_none() {
+    for words in ["End of file", "Average,1.5"] {
+        let text = format!("time [s],position [mm]\n0,1\n1,2\n{words}\n");
+        positions(&text, &[1e-3, 2e-3]);
+        assert!(notes(&text).contains("line 4, the last one"), "{}", notes(&text));
+        assert!(refused(format!("{text}Max,2\n")).contains("run.csv:4:1"));
+    }
+}
+
+fn two_columns_of_one_name_are_refused() {
+    assert!(refused("time [s],position [mm],position [mm]\n0,1,2\n1,2,3\n").contains("columns 2 and 3"));
+    let map = ChannelMap::from_arguments(["position=Weg [mm]"]).unwrap();
+    let mapped = read_from("run.csv", &b"time [s],Weg [mm],Weg [mm]\n0,1,2\n1,2,3\n"[..], &map).unwrap_err();
+    assert!(mapped.to_string().contains("columns 2 and 3"), "{mapped}");
 }
 
 fn the_decimal_mark_is_one_for_the_whole_file() {
@@ -201,7 +239,12 @@ fn the_decimal_mark_is_one_for_the_whole_file() {
 fn units_stand_in_a_row_below_the_header() {
     for row in ["s,mm", "[s],[mm]"] {
         positions(&format!("time,position\n{row}\n0,1\n1,2\n"), &[1e-3, 2e-3]);
+        positions(&format!("time [s],position [mm]\n{row}\n0,1\n1,2\n"), &[1e-3, 2e-3]);
     }
+    let told = refused("time [s],position [mm]\ns,cm\n0,1\n1,2\n");
+    assert!(told.contains("`mm`") && told.contains("`cm`"), "{told}");
+    let map = ChannelMap::from_arguments(["position=position_mm"]).unwrap();
+    assert!(read_from("run.csv", &b"time [s],position_mm\ns,cm\n0,1\n1,2\n"[..], &map).is_err());
 }
 
 fn dates_and_durations_are_times() {
@@ -217,7 +260,12 @@ fn dates_and_durations_are_times() {
         times(&format!("time,position [mm]\n{first},1\n{second},2\n"), &[0.0, 0.5]);
     }
     times("time;position [mm]\n06.05.2024 07:08:09,125;1\n06.05.2024 07:08:09,625;2\n", &[0.0, 0.5]);
-    refused("time,position [mm]\n5/6/2024 07:08:09,1\n5/6/2024 07:08:10,2\n");
+    for unread in ["5/6/2024 07:08:09", "10:00:00 PM", "10:00", "05-06-24 07:08:09", "5/6/24 07:08:09"] {
+        let told = refused(format!("time,position [mm]\n{unread},1\n{unread},2\n"));
+        assert!(told.contains(unread) && told.contains("2024-05-06T07:08:09.125"), "{told}");
+    }
+    times("time,position [mm]\n23:59:59.75,1\n00:00:00.25,2\n", &[0.0, 0.5]);
+    assert!(refused("time,position [mm]\n10:00:01,1\n10:00:00,2\n").contains("rise"));
 }
 
 fn a_last_line_that_is_cut_off_is_not_read() {
@@ -285,6 +333,7 @@ const CLAIMS: &[Claim] = &[
     ("2. beside the name", fixtures::units_are_those_of_the_file),
     ("3. behind an underscore", fixtures::units_are_those_of_the_file),
     ("A dimensionless signal", a_dimensionless_signal_needs_no_unit),
+    ("A dimensionless signal", a_column_in_an_unknown_unit_is_left_out_as_the_error_says),
     ("A dimensionless signal", other_names_are_mapped),
     ("A dimensionless signal", fixtures::every_format_is_mapped),
     ("A dimensionless signal", a_line_of_channels_for_a_column_that_is_not_there_does_nothing),
@@ -301,6 +350,8 @@ const CLAIMS: &[Claim] = &[
     ("- **Units** may stand", units_stand_in_a_row_below_the_header),
     ("- **Dates**", dates_and_durations_are_times),
     ("- **A last line", a_last_line_that_is_cut_off_is_not_read),
+    ("- **Words below the rows**", words_below_the_rows_are_none),
+    ("- **Two columns of one name**", two_columns_of_one_name_are_refused),
     ("TwinCAT Scope: where the header", a_scale_of_a_scope_header_is_doubted),
     ("The sheet is read as text", fixtures::every_format_gives_the_recording_of_the_csv),
     ("- **Vectors**", fixtures::what_is_not_read_says_what_to_do),

@@ -127,6 +127,17 @@ pub(crate) fn files_of_other_versions_say_how_to_save_them() {
     let mut old = b"MDF     3.30    asammdf".to_vec();
     old.resize(200, 0);
     assert!(refused("old.dat", &old).contains("an MDF file of version 3.30; expected version 4"));
+    for (begins, what) in [
+        (&b"\x89PNG\r\n\x1a\n"[..], "a picture (PNG)"),
+        (b"\xff\xd8\xff\xe0", "a picture (JPEG)"),
+        (b"GIF89a", "a picture (GIF)"),
+        (b"{\\rtf1", "a document (RTF)"),
+        (b"\x7fELF\x02", "a program"),
+        (b"{\"time\": [0, 1]}", "a JSON file"),
+        (b"\xff\xfe\0\0t\0\0\0", "a text in UTF-32"),
+    ] {
+        assert!(refused("run.csv", begins).contains(what), "{what}");
+    }
     assert!(refused("open.mf4", b"UnFinMF 4.10    ").contains("that its recorder has not closed"));
     assert!(refused("no.mat", b"\0\0\0\0\x0a\0\0\0").contains("neither text nor a MAT-file, as its name says"));
 }

@@ -1,15 +1,17 @@
 //! Why a recording cannot be used.
 
+use std::path::Path;
 use std::{fmt, io};
 
 use crate::files::atomic;
 use crate::files::source_error::{Explained, Place, after_number, counted, engineering, quoted};
 use crate::formats::format::Format;
 use crate::formats::mark_fault::{MarkFault, MarkedCell};
+use crate::formats::text_fault::TextFault;
 use crate::formats::unsupported::Unsupported;
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};
-use crate::unit_in_name::variable;
+use crate::unit_in_name::{split_suffix, variable};
 
 /// Why a recording cannot be read, or cannot be used for the purpose in hand.
 #[expect(missing_docs, reason = "every field is named in the text of its variant; `place` is where it was found")]
@@ -43,6 +45,8 @@ pub enum RecordingError {
     Index { place: Place, header: String },
     /// Two columns hold the same signal.
     DuplicateColumn { place: Place, signal: Signal, first: String, second: String },
+    /// Two columns that are to be read are called alike; their numbers, from 1.
+    AlikeColumns { place: Place, header: String, numbers: [usize; 2] },
     /// Known names without a unit in brackets; `place` is where the first one stands.
     MissingUnit { place: Place, columns: Vec<(Signal, String)> },
     /// A known name with an unknown unit.
@@ -59,6 +63,8 @@ pub enum RecordingError {
     NotANumber { place: Place, header: String, found: String },
     /// The mark in a number does not say, or contradicts, which number it is.
     Mark { place: Place, cell: Box<MarkedCell>, fault: MarkFault },
+    /// The layout of a text does not say, or contradicts, what its cells are.
+    Text { place: Place, fault: TextFault },
     /// A time that is not written as those of the rows above.
     NotAStamp { place: Place, header: String, found: String },
     /// A cell of a known column is NaN or infinite, as written or after conversion to SI.
@@ -116,6 +122,7 @@ impl Explained for RecordingError {
             | E::NoTimeColumn { place, .. }
             | E::Index { place, .. }
             | E::DuplicateColumn { place, .. }
+            | E::AlikeColumns { place, .. }
             | E::MissingUnit { place, .. }
             | E::UnknownUnit { place, .. }
             | E::WrongDimension { place, .. }
@@ -124,6 +131,7 @@ impl Explained for RecordingError {
             | E::RaggedRow { place, .. }
             | E::NotANumber { place, .. }
             | E::Mark { place, .. }
+            | E::Text { place, .. }
             | E::NotAStamp { place, .. }
             | E::NotFinite { place, .. }
             | E::AngleOutOfReach { place, .. }
@@ -168,6 +176,9 @@ impl Explained for RecordingError {
             E::NoTimeColumn { present, .. } if are_numbers(present) => "numbers where the header should be".into(),
             E::NoTimeColumn { .. } => "no column is time".into(),
             E::Index { header, .. } => format!("column {} numbers the rows, and is mapped to time", quoted(header)),
+            E::AlikeColumns { header, numbers: [first, second], .. } => {
+                format!("columns {first} and {second} are both called {}", quoted(header))
+            }
             E::DuplicateColumn { signal, first, second, .. } => {
                 format!("columns {} and {} both hold {signal}", quoted(first), quoted(second))
             }
@@ -195,6 +206,7 @@ impl Explained for RecordingError {
             E::Mark { cell, fault, .. } => {
                 format!("column {} holds {}{}", quoted(&cell.header), quoted(&cell.text), fault.found(&cell.text))
             }
+            E::Text { fault, .. } => fault.found(),
             E::AngleOutOfReach { found, unit, .. } => {
                 format!("a joint angle of {found} {unit}, which the linkage of the machine file does not reach")
             }
@@ -228,6 +240,9 @@ impl Explained for RecordingError {
 
     fn expected(&self) -> String {
         match self {
+            E::Io { source, .. } if source.kind() == io::ErrorKind::InvalidData => {
+                "a whole file: save or copy it again".into()
+            }
             E::Io { .. } => "a readable file".into(),
             E::Write { source, .. } => atomic::expected(source).into(),
             E::Empty { .. } => "a header such as `time [s],command [V],position [mm]` and rows".into(),
@@ -238,43 +253,36 @@ impl Explained for RecordingError {
                 "a text file with a header and one row a line".into()
             }
             E::NotUtf8 { .. } => {
-                "text in UTF-8, UTF-16 or Windows-1252; others are converted by `iconv -f … -t UTF-8 in.csv > out.csv`"
+                "text in UTF-8, UTF-16 or Windows-1252; others are converted by `iconv -f … -t UTF-8 in.csv > out.csv`. A file that is no text is exported \
+                 as CSV by the program that wrote it"
                     .into()
             }
-            E::ControlCharacter { .. } => "a text file in UTF-8 with line ends LF or CRLF".into(),
+            E::ControlCharacter { .. } => {
+                "a text file in UTF-8 with line ends LF or CRLF; one that is no text is exported as CSV by the program that wrote it"
+                    .into()
+            },
             E::OpenQuote { .. } => "a closing quotation mark on the same line".into(),
             E::NoTimeColumn { present, .. } => time_column(present),
             E::Index { .. } => "a column of times: the number of a row is not its time".into(),
+            E::AlikeColumns { .. } => "names that differ: rename or delete one of the two columns".into(),
             E::DuplicateColumn { signal, .. } => format!("one column for {signal}; choose with --map \"{signal}=…\""),
-            E::MissingUnit { place, columns } => {
-                let [(signal, header), ..] = columns.as_slice() else { return String::new() };
-                let unit = signal.si_unit();
-                let bracketed = format!("{signal} [{unit}]");
-                let how = if place.spot.is_none() {
-                    let plain = variable(&bracketed, unit, &[]);
-                    format!("a unit with the name, as `{bracketed}` or `{plain}`")
-                } else {
-                    format!("a unit in brackets after the name, in the file or as --map \"{signal}={header} […]\"")
-                };
-                if columns.len() == 1 {
-                    return format!("{how}, one of: {}", signal.units());
-                }
-                let each =
-                    columns.iter().map(|(signal, header)| format!("{} one of: {}", quoted(header), signal.units()));
-                format!("{how}: {}", each.collect::<Vec<_>>().join("; "))
+            E::MissingUnit { place, columns } => missing_units(place, columns),
+            E::UnknownUnit { signal, header, .. } => {
+                format!("a unit in brackets after the name, one of: {}{}", signal.units(), or_unused(*signal, header))
             }
-            E::UnknownUnit { signal, .. } => {
-                format!("a unit in brackets after the name, one of: {}", signal.units())
+            E::WrongDimension { signal, header, .. } => {
+                format!("a unit of {signal}, one of: {}{}", signal.units(), or_unused(*signal, header))
             }
-            E::WrongDimension { signal, .. } => format!("a unit of {signal}, one of: {}", signal.units()),
             E::MappedColumnAbsent { present, .. } | E::ColumnAbsent { present, .. } => {
                 format!("one of its headers: {}", present.join(", "))
             }
             E::RaggedRow { expected, .. } => format!("{expected} cells, as many as the header has"),
-            E::NotANumber { .. } => {
-                "a decimal number such as -12.5 or 1.5e-3; units stand in the header, as `position [mm]`".into()
+            E::NotANumber { found, .. } => number(found).into(),
+            E::Mark { place, fault, .. } => {
+                let is_workbook = Format::of_extension(Path::new(&*place.file)) == Some(Format::Xlsx);
+                fault.expected(is_workbook).into()
             }
-            E::Mark { fault, .. } => fault.expected().into(),
+            E::Text { fault, .. } => fault.expected().into(),
             E::NotAStamp { .. } => "a time written as in the rows above, such as 2024-05-06T07:08:09.125".into(),
             E::NotFinite { .. } => "a finite number".into(),
             E::AngleOutOfReach { from, to, unit, .. } => {
@@ -333,13 +341,56 @@ impl Explained for RecordingError {
             | E::NotFinite { header, .. }
             | E::NoTimes { header, .. }
             | E::NotNumbers { header, .. }
-            | E::LengthMismatch { header, .. } => Some(header.clone()),
+            | E::LengthMismatch { header, .. }
+            | E::AlikeColumns { header, .. }
+            | E::Text {
+                fault: TextFault::UnitsDiffer { header, .. } | TextFault::UnreadableTime { header, .. }, ..
+            } => Some(header.clone()),
             E::DuplicateColumn { second, .. } => Some(second.clone()),
             E::AngleOutOfReach { .. } => Some(Signal::Angle.name().to_owned()),
             E::TimeBackwards { .. } => Some(Signal::Time.name().to_owned()),
             E::MissingSignal { signal, .. } | E::ConstantSignal { signal, .. } => Some(signal.name().to_owned()),
             _ => None,
         }
+    }
+}
+
+/// How a column that is known by its name, and not needed, is left out; nothing of one that a map names, or of time.
+fn or_unused(signal: Signal, header: &str) -> String {
+    let name = split_header(header).0;
+    let is_known = name == signal.name() || split_suffix(name).is_some_and(|(name, _)| name == signal.name());
+    if signal == Signal::Time || !is_known {
+        return String::new();
+    }
+    format!("; where it is not needed, `unused = [{header:?}]` in [channels] of the machine file leaves it out")
+}
+
+/// What columns without a unit need.
+fn missing_units(place: &Place, columns: &[(Signal, String)]) -> String {
+    let [(signal, header), ..] = columns else { return String::new() };
+    let unit = signal.si_unit();
+    let bracketed = format!("{signal} [{unit}]");
+    let how = if place.spot.is_none() {
+        let plain = variable(&bracketed, unit, &[]);
+        format!("a unit with the name, as `{bracketed}` or `{plain}`")
+    } else {
+        format!("a unit in brackets after the name, in the file or as --map \"{signal}={header} […]\"")
+    };
+    if columns.len() == 1 {
+        return format!("{how}, one of: {}{}", signal.units(), or_unused(*signal, header));
+    }
+    let each = columns.iter().map(|(signal, header)| format!("{} one of: {}", quoted(header), signal.units()));
+    format!("{how}: {}", each.collect::<Vec<_>>().join("; "))
+}
+
+/// What a cell of numbers needs that holds this.
+fn number(found: &str) -> &'static str {
+    match found.chars().next() {
+        Some('=') => {
+            "a number: formulas without a saved value are calculated when the file is opened in a spreadsheet program and saved there"
+        }
+        Some('#') => "a number: correct the formula, or leave the cell empty, as a missing value",
+        _ => "a decimal number such as -12.5 or 1.5e-3; units stand in the header, as `position [mm]`",
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::channel_map::{ChannelMap, Mapping, PressureZero, Scale};
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
+use crate::formats::text_fault::{TextFault, UnitClash};
 use crate::recording::{Column, Note};
 use crate::signal::{Signal, split_header};
 use crate::unit::Unit;
@@ -15,6 +16,8 @@ pub(crate) struct Offer {
     pub(crate) header: String,
     /// Names with their units; the first one that fits counts.
     pub(crate) names: Vec<(String, Option<String>)>,
+    /// Where its name and a row of units say different units.
+    pub(crate) clash: Option<Box<UnitClash>>,
 }
 
 /// A column that a mapping refers to.
@@ -43,7 +46,7 @@ impl Offer {
             (None, Some(beside)) => format!("{header} [{beside}]"),
             _ => header.to_owned(),
         };
-        Self { header: written, names }
+        Self { header: written, names, clash: beside.and_then(|beside| clash(header, beside)) }
     }
 
     /// The unit that a mapping gives this column, if the mapping refers to this column.
@@ -75,6 +78,7 @@ impl Offer {
         for (_, unit) in &mut self.names {
             *unit = Some("s".to_owned());
         }
+        self.clash = None;
         let name = split_header(&self.header).0;
         self.header = format!("{name} [s]");
     }
@@ -88,6 +92,23 @@ impl Offer {
     fn unit_in_a_name(&self) -> Option<String> {
         self.names.iter().find_map(|(_, unit)| unit.clone())
     }
+}
+
+/// The unit in a header and the one beside it, where they differ. Behind an underscore any letter may stand, so there only a unit of the same quantity, or an
+/// unknown one, contradicts it.
+pub(crate) fn clash(header: &str, beside: &str) -> Option<Box<UnitClash>> {
+    let in_name = if let Some(in_name) = split_header(header).1 {
+        in_name
+    } else {
+        let suffix = split_suffix(header)?.1;
+        let is_other = Unit::parse(beside).is_some_and(|unit| unit.dimension() != suffix.dimension());
+        if is_other {
+            return None;
+        }
+        suffix.symbol()
+    };
+    let differ = !is_same_unit(in_name, beside);
+    differ.then(|| Box::new(UnitClash { in_name: in_name.to_owned(), beside: beside.to_owned(), beside_at: None }))
 }
 
 /// Takes from the columns that are left unused the names by which they would be known.
@@ -132,7 +153,15 @@ pub(crate) fn assign(
             !fits && (0..offers.len()).any(|other| other != index && offers[other].is_named(signal))
         };
         match found.filter(|index| mapping.required || !is_unusable(*index)) {
-            Some(index) => mapped.push((index, signal, mapping)),
+            Some(index) => {
+                let is_alike = |other: &usize| {
+                    offers[*other].header == offers[index].header && offers[*other].is_meant_by(mapping)
+                };
+                if let Some(second) = (index + 1..offers.len()).find(is_alike) {
+                    return Err(twice(signal, offers, [index, second], place(second)));
+                }
+                mapped.push((index, signal, mapping));
+            }
             None if mapping.required => {
                 let present = offers.iter().map(|offer| offer.header.clone()).collect();
                 let header = mapping.header.clone();
@@ -156,6 +185,10 @@ pub(crate) fn assign(
             assignment.ignored.extend(Some(offer.header.clone()).filter(|header| !header.is_empty()));
             continue;
         };
+        if let Some(units) = &offer.clash {
+            let fault = TextFault::UnitsDiffer { header: offer.header.clone(), units: units.clone() };
+            return Err(RecordingError::Text { place: place(index), fault });
+        }
         let unit = match unit_of(signal, scale, &offer.header, unit.as_deref(), || place(index)) {
             // All columns without a unit are collected, so that the user learns of all of them at once.
             Err(RecordingError::MissingUnit { place, columns }) => {
@@ -166,9 +199,8 @@ pub(crate) fn assign(
         };
         let is_absolute = signal.is_pressure() && map.pressure == PressureZero::Absolute;
         let unit = if is_absolute { unit.absolute() } else { unit };
-        if let Some((_, first)) = assignment.known.iter().find(|(_, column)| column.signal == signal) {
-            let (first, second) = (first.header.clone(), offer.header.clone());
-            return Err(RecordingError::DuplicateColumn { place: place(index), signal, first, second });
+        if let Some((first, _)) = assignment.known.iter().find(|(_, column)| column.signal == signal) {
+            return Err(twice(signal, offers, [*first, index], place(index)));
         }
         let header = offer.header.clone();
         assignment.known.push((index, Column::of_file(header, signal, unit)));
@@ -178,6 +210,15 @@ pub(crate) fn assign(
     }
     through_linkage(&mut assignment, map);
     Ok(assignment)
+}
+
+/// The error of two columns for one signal.
+fn twice(signal: Signal, offers: &[Offer], [first, second]: [usize; 2], place: Place) -> RecordingError {
+    let [one, other] = [first, second].map(|index| offers[index].header.clone());
+    if one == other {
+        return RecordingError::AlikeColumns { place, header: one, numbers: [first + 1, second + 1] };
+    }
+    RecordingError::DuplicateColumn { place, signal, first: one, second: other }
 }
 
 /// Takes the position from the angle of the joint where only that was recorded.

@@ -41,6 +41,7 @@ pub use formats::sheet::{Series, WrittenColumn};
 pub use formats::survey::{survey, survey_from};
 pub use formats::surveyed::Surveyed;
 pub use formats::text::lines::{MAX_COLUMNS, MAX_LINE_BYTES, MAX_ROWS, MAX_SKIPPED_LINES, MAX_VALUES};
+pub use formats::text_fault::{TextFault, UnitClash};
 pub use formats::unknown::{UnknownColumn, unknown_among, unknown_columns};
 pub use formats::unsupported::Unsupported;
 pub use linkage::Linkage;

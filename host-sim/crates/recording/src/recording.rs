@@ -9,7 +9,7 @@ use std::path::Path;
 
 use crate::display_unit::significant;
 use crate::error::RecordingError;
-use crate::files::source_error::{Place, counted, engineering, rounded};
+use crate::files::source_error::{Place, counted, engineering, quoted, rounded};
 use crate::signal::Signal;
 use crate::unit::{ATMOSPHERE_PA, Unit};
 
@@ -65,6 +65,13 @@ pub enum Note {
     CutLine {
         /// Its number.
         line: usize,
+    },
+    /// The last line of a text holds words and was not read.
+    LastLineOfWords {
+        /// Its number.
+        line: usize,
+        /// Its first words.
+        text: String,
     },
     /// There are intervals without rows that are longer than ten usual intervals.
     Gaps {
@@ -138,6 +145,13 @@ impl fmt::Display for Note {
             }
             Note::IncompleteRows { rows, first } => {
                 write!(f, "{rows} rows have an empty cell and are left out, the first in {first}")
+            }
+            Note::LastLineOfWords { line, text } => {
+                write!(
+                    f,
+                    "line {line}, the last one, begins with {} and is not read: it is no row of numbers",
+                    quoted(text)
+                )
             }
             Note::CutLine { line } => write!(f, "line {line}, the last one, is cut off and is not read"),
             Note::Gaps { count, longest_s, at_s } => {

@@ -111,8 +111,11 @@ pub(crate) fn split_header(header: &str) -> (&str, Option<&str>) {
 /// A header whose unit does not stand in brackets.
 fn split_other(header: &str) -> Option<(&str, &str)> {
     let known = |(name, unit): (&'_ str, &'_ str)| {
-        // `Weg (1)` is the second of two columns, and `U(t)` a function.
-        let unit = Unit::parse(unit).filter(|unit| unit.symbol() != "1")?;
+        let written = unit.trim();
+        // `Weg (1)` is the second of two columns, `Rig/1` an address, and `U(t)` a function; `spool/1` and `Schieber (-)` are pure numbers.
+        let is_pure = written == "-"
+            || Signal::parse(name.trim()).is_some_and(|signal| signal.is_dimensionless() || header.contains('/'));
+        let unit = Unit::parse(written).filter(|unit| unit.symbol() != "1" || is_pure)?;
         let is_recorded = Signal::ALL.iter().any(|signal| signal.dimensions().contains(&unit.dimension()));
         (is_recorded && !name.trim().is_empty()).then_some(())
     };
@@ -151,7 +154,13 @@ mod tests {
         assert_eq!(split_header("v/mm/s"), ("v", Some("mm/s")));
         assert_eq!(split_header("v / (mm/s)"), ("v", Some("mm/s")));
         assert_eq!(split_header("Kolbenweg in mm"), ("Kolbenweg", Some("mm")));
-        for plain in ["Kolbenweg (1)", "U(t)", "x (raw)", "Model/Weg/Out1", "/s", "(mm)", "built in"] {
+        for pure in ["spool (-)", "spool/1", "spool / -", "spool (1)", "Schieber (-)"] {
+            let (name, unit) = split_header(pure);
+            assert!(["spool", "Schieber"].contains(&name) && unit.and_then(Unit::parse) == Unit::parse("1"), "{pure}");
+        }
+        for plain in
+            ["position (1)", "Rig/1", "Kolbenweg (1)", "U(t)", "x (raw)", "Model/Weg/Out1", "/s", "(mm)", "built in"]
+        {
             assert_eq!(split_header(plain), (plain, None));
         }
     }

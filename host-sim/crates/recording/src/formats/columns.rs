@@ -122,7 +122,7 @@ fn offer(offered: &Offered) -> Offer {
         let suffix = split_suffix(name).filter(|_| in_name.is_none() && offered.unit.is_none());
         names.extend(suffix.map(|(short, unit)| (short.to_owned(), Some(unit.symbol().to_owned()))));
     }
-    Offer { header: offered.name.clone(), names }
+    Offer { header: offered.name.clone(), names, clash: None }
 }
 
 /// A column under the name by which it is known, with its unit, so that a text written from it can be read again.

@@ -104,17 +104,20 @@ pub(super) fn is_version_4(head: &[u8]) -> bool {
 const SAVED: &str = "what is read: save it as CSV or .xlsx";
 const UNPACKED: &str = "what is read: unpack it, or pack it by gzip";
 const EXPORTED: &str = "what is read: export CSV, MAT, MDF 4 or Parquet in the program that recorded it";
+const NUMBERS: &str = "the numbers: CSV or .xlsx from the program that wrote it";
+const IN_UTF_8: &str = "text in UTF-8, as by `iconv -f UTF-32 -t UTF-8 in.csv > out.csv`";
+const FROM_JSON: &str = "what is read: in Python pandas.read_json('run.json').to_csv('run.csv', index=False)";
 const FROM_PYTHON: &str = "what is read: in Python df.to_parquet('run.parquet') or df.to_csv('run.csv')";
 
 /// Files that are not read, and why.
-const UNSUPPORTED: [(&[u8], Unsupported); 24] = [
+const UNSUPPORTED: [(&[u8], Unsupported); 36] = [
     (b"MATLAB 7.3 MAT-file", Unsupported::Hdf5),
     (b"\x89HDF\r\n\x1a\n", Unsupported::Hdf5),
     (b"UnFinMF ", Unsupported::Unfinished),
     (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", Unsupported::Foreign("an Excel 97 workbook (.xls)", SAVED)),
     (b"<?xml", Unsupported::Foreign("an XML file", "CSV or .xlsx, saved by the program that wrote it")),
     (b"<html", Unsupported::Foreign("an HTML page", "CSV or .xlsx, saved by the program that wrote it")),
-    (b"%PDF", Unsupported::Foreign("a PDF document", "the numbers: CSV or .xlsx from the program that wrote it")),
+    (b"%PDF", Unsupported::Foreign("a PDF document", NUMBERS)),
     (b"BZh", Unsupported::Foreign("a file packed by bzip2", UNPACKED)),
     (b"\xfd7zXZ\0", Unsupported::Foreign("a file packed by xz", UNPACKED)),
     (b"\x28\xb5\x2f\xfd", Unsupported::Foreign("a file packed by zstd", UNPACKED)),
@@ -131,6 +134,18 @@ const UNSUPPORTED: [(&[u8], Unsupported); 24] = [
     (b"\x80\x03", Unsupported::Foreign("an object of Python (pickle)", FROM_PYTHON)),
     (b"\x80\x04", Unsupported::Foreign("an object of Python (pickle)", FROM_PYTHON)),
     (b"\x80\x05", Unsupported::Foreign("an object of Python (pickle)", FROM_PYTHON)),
+    (b"\xff\xfe\0\0", Unsupported::Foreign("a text in UTF-32", IN_UTF_8)),
+    (b"\0\0\xfe\xff", Unsupported::Foreign("a text in UTF-32", IN_UTF_8)),
+    (b"\x89PNG\r\n\x1a\n", Unsupported::Foreign("a picture (PNG)", NUMBERS)),
+    (b"\xff\xd8\xff", Unsupported::Foreign("a picture (JPEG)", NUMBERS)),
+    (b"GIF8", Unsupported::Foreign("a picture (GIF)", NUMBERS)),
+    (b"{\\rtf", Unsupported::Foreign("a document (RTF)", NUMBERS)),
+    (b"\x7fELF", Unsupported::Foreign("a program", "a recording")),
+    (b"MZ\x90\0", Unsupported::Foreign("a program", "a recording")),
+    (b"{\"", Unsupported::Foreign("a JSON file", FROM_JSON)),
+    (b"{\n", Unsupported::Foreign("a JSON file", FROM_JSON)),
+    (b"{\r\n", Unsupported::Foreign("a JSON file", FROM_JSON)),
+    (b"[{", Unsupported::Foreign("a JSON file", FROM_JSON)),
     (b"PK\x05\x06", Unsupported::Foreign("an empty ZIP archive", "the recording itself")),
 ];
 
@@ -157,6 +172,13 @@ mod tests {
         assert_eq!(Format::of_content(b"PK\x03\x04"), Ok(Format::Xlsx));
         assert_eq!(Format::of_content(b"\x1f\x8b\x08"), Ok(Format::Gzip));
         assert_eq!(Format::of_content(b"\x89HDF\r\n\x1a\n"), Err(Unsupported::Hdf5));
+        for (head, what) in [
+            (&b"\x89PNG\r\n\x1a\n\0"[..], "a picture (PNG)"),
+            (b"{\"time\": [0]}", "a JSON file"),
+            (b"\xff\xfe\0\0t", "a text in UTF-32"),
+        ] {
+            assert!(matches!(Format::of_content(head), Err(Unsupported::Foreign(found, _)) if found == what));
+        }
         assert_eq!(Format::of_extension(Path::new("a.b/RUN.MF4")), Some(Format::Mdf4));
         assert_eq!(Format::of_extension(Path::new("mat")), None);
     }

@@ -15,13 +15,24 @@ use crate::files::source_error::Place;
 pub(crate) fn unpacked<'a>(name: &str, packed: impl Read + 'a) -> Result<Input<'a>, RecordingError> {
     let mut decoder = MultiGzDecoder::new(packed);
     let mut head = [0; 2];
-    let length = read_some(&mut decoder, &mut head).map_err(|source| unreadable(name, source))?;
+    let length = read_some(&mut decoder, &mut head).map_err(|source| unreadable(name, of_packing(source)))?;
     if head == [0x1f, 0x8b] {
         let what = Unsupported::Foreign("a file that is packed twice", "a file that is packed once");
         return Err(RecordingError::Unsupported { place: Place::file(name), what });
     }
     let rest = Limited { inner: decoder, left: MAX_UNPACKED_BYTES };
     Ok(Box::new(io::Cursor::new(head).take(length as u64).chain(rest)))
+}
+
+/// An error of what is packed, and not of the disk, says so.
+fn of_packing(error: io::Error) -> io::Error {
+    use io::ErrorKind as Kind;
+    match error.kind() {
+        Kind::UnexpectedEof | Kind::InvalidInput | Kind::InvalidData => {
+            io::Error::new(Kind::InvalidData, format!("what gzip packed is cut off or damaged ({error})"))
+        }
+        _ => error,
+    }
 }
 
 fn read_some(from: &mut impl Read, head: &mut [u8; 2]) -> io::Result<usize> {
@@ -43,7 +54,7 @@ struct Limited<R> {
 
 impl<R: Read> Read for Limited<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let read = self.inner.read(buffer)?;
+        let read = self.inner.read(buffer).map_err(of_packing)?;
         self.left = self.left.checked_sub(read as u64).ok_or_else(|| {
             io::Error::new(
                 io::ErrorKind::FileTooLarge,
@@ -78,7 +89,14 @@ mod tests {
         // A logger that packs each part by itself.
         let parts = [packed(&text[..30]), packed(&text[30..])].concat();
         assert_eq!(read(&parts).unwrap().rows(), 2);
-        assert!(matches!(read(&bytes[..bytes.len() - 9]).unwrap_err(), RecordingError::Io { .. }));
+        for end in [12, bytes.len() - 9, bytes.len() - 4] {
+            let cut = read(&bytes[..end]).unwrap_err();
+            assert!(matches!(cut, RecordingError::Io { .. }));
+            let told = cut.to_string();
+            let is_told =
+                told.contains("cut off or damaged") && told.ends_with("expected a whole file: save or copy it again");
+            assert!(is_told, "{told}");
+        }
         let twice = read(&packed(&bytes)).unwrap_err().to_string();
         assert!(twice.contains("packed twice"), "{twice}");
         assert!(matches!(read(&packed(b"")).unwrap_err(), RecordingError::Empty { .. }));

@@ -45,9 +45,12 @@ impl MarkFault {
         }
     }
 
-    /// What to do.
-    pub(crate) fn expected(&self) -> &'static str {
+    /// What to do; numbers of a workbook have a point, whatever it shows.
+    pub(crate) fn expected(&self, is_workbook: bool) -> &'static str {
         match self {
+            MarkFault::Other(_) if is_workbook => {
+                "one decimal mark in the whole file: make numbers of the cells that are text; numbers of a workbook have a point here, whatever it shows"
+            }
             MarkFault::Other(_) => "one decimal mark in the whole file and no thousands mark: 1300 is written so",
             MarkFault::Thousands => "a number without it: 1300 is written so",
             MarkFault::Unknown => {

@@ -25,6 +25,7 @@ mod stamp_clock;
 pub mod survey;
 pub(crate) mod surveyed;
 pub(crate) mod text;
+pub(crate) mod text_fault;
 pub mod unknown;
 pub(crate) mod unsupported;
 pub mod write;

@@ -4,7 +4,8 @@ use std::fs::File;
 use std::io::{self, Cursor, Read};
 use std::path::Path;
 
-use encoding_rs_io::DecodeReaderBytes;
+use encoding_rs::{Encoding, UTF_16BE, UTF_16LE};
+use encoding_rs_io::DecodeReaderBytesBuilder;
 
 #[cfg(any(feature = "mat", feature = "mdf4", feature = "parquet", feature = "xlsx"))]
 use super::format::MAX_BINARY_BYTES;
@@ -32,10 +33,26 @@ pub(crate) fn recognised<'a>(name: &str, mut file: impl Read + 'a) -> Result<(Fo
     (&mut file).take(HEAD as u64).read_to_end(&mut head).map_err(|source| unreadable(name, source))?;
     let format =
         Format::of_content(&head).map_err(|what| RecordingError::Unsupported { place: Place::file(name), what })?;
-    let is_utf_16 = head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff");
+    let encoding = utf_16(&head);
     let all = Cursor::new(head).chain(file);
-    // It goes by the mark with which the text begins.
-    Ok((format, if is_utf_16 { Box::new(DecodeReaderBytes::new(all)) } else { Box::new(all) }))
+    let Some(encoding) = encoding else { return Ok((format, Box::new(all))) };
+    let mut decoder = DecodeReaderBytesBuilder::new();
+    Ok((format, Box::new(decoder.encoding(Some(encoding)).bom_override(true).build(all))))
+}
+
+/// The order of bytes of a text in UTF-16: by the mark with which it begins, or else because every second byte is zero and the others are printable characters.
+fn utf_16(head: &[u8]) -> Option<&'static Encoding> {
+    if let Some((encoding, _)) = Encoding::for_bom(head) {
+        return [UTF_16LE, UTF_16BE].into_iter().find(|known| *known == encoding);
+    }
+    let pairs = head.as_chunks::<2>().0;
+    let is_text =
+        |high: usize| pairs.len() > 3 && pairs.iter().all(|pair| pair[high] == 0 && is_printable(pair[1 - high]));
+    if is_text(1) { Some(UTF_16LE) } else { is_text(0).then_some(UTF_16BE) }
+}
+
+fn is_printable(byte: u8) -> bool {
+    matches!(byte, b' '..=b'~' | b'\t' | b'\r' | b'\n')
 }
 
 /// All bytes of a file that is not text.

@@ -3,6 +3,7 @@
 //! The sheet with the recording becomes text with one line a row, which is read as any other text: header, row of units, dates, empty cells and all. Numbers come as the
 //! workbook holds them, to the last digit, whatever their format shows. Of several sheets that with a column of time is read.
 
+use std::collections::HashMap;
 use std::io::{self, Cursor, Read, Write};
 
 use calamine::{CellErrorType, DataRef, Reader, SheetType, Xlsx, XlsxError};
@@ -62,12 +63,7 @@ fn check(name: &str, bytes: &[u8], most_bytes: u64) -> Result<(), RecordingError
         )));
     }
     if archive.index_for_name("xl/workbook.xml").is_none() {
-        let is_open_document = archive.index_for_name("content.xml").is_some();
-        return Err(unsupported(if is_open_document {
-            Unsupported::Foreign("an OpenDocument spreadsheet (.ods)", "what is read: save it as CSV or .xlsx")
-        } else {
-            Unsupported::Foreign("a ZIP archive", "a file in it: unpack it")
-        }));
+        return Err(unsupported(other_archive(&mut archive)));
     }
     let mut unpacked = 0;
     for index in 0..archive.len() {
@@ -84,32 +80,119 @@ fn check(name: &str, bytes: &[u8], most_bytes: u64) -> Result<(), RecordingError
     Ok(())
 }
 
+/// What an archive is that is no workbook.
+fn other_archive(archive: &mut ZipArchive<Cursor<&[u8]>>) -> Unsupported {
+    const SAVED: &str = "what is read: save it as CSV or .xlsx";
+    const NUMBERS: &str = "the numbers: CSV or .xlsx from the program that wrote it";
+    let has = |name: &str| archive.index_for_name(name).is_some();
+    if has("word/document.xml") {
+        return Unsupported::Foreign("a Word document (.docx)", NUMBERS);
+    }
+    if has("ppt/presentation.xml") {
+        return Unsupported::Foreign("a PowerPoint presentation (.pptx)", NUMBERS);
+    }
+    if !has("content.xml") {
+        return Unsupported::Foreign("a ZIP archive", "a file in it: unpack it");
+    }
+    let mut kind = String::new();
+    let told = contained(|| archive.by_name("mimetype").map_err(io::Error::other)?.take(100).read_to_string(&mut kind));
+    let is_sheet = told.is_none_or(|read| read.is_err()) || kind.contains("spreadsheet");
+    if is_sheet {
+        Unsupported::Foreign("an OpenDocument spreadsheet (.ods)", SAVED)
+    } else {
+        Unsupported::Foreign("an OpenDocument file that is no spreadsheet", NUMBERS)
+    }
+}
+
 /// The names and texts of the sheets.
 fn sheets(bytes: Vec<u8>) -> Result<Vec<(String, Vec<u8>)>, XlsxError> {
+    let is_calculated = is_calculated(&bytes);
     let mut workbook = Xlsx::new(Cursor::new(bytes))?;
     let is_sheet = |sheet: &&calamine::Sheet| sheet.typ == SheetType::WorkSheet;
     let names: Vec<String> =
         workbook.sheets_metadata().iter().filter(is_sheet).map(|sheet| sheet.name.clone()).collect();
-    names.into_iter().map(|name| rows(&mut workbook, &name).map(|text| (name, text))).collect()
+    let mut texts = Vec::new();
+    for name in names {
+        let (mut text, lacks_values) = rows(&mut workbook, &name, &Formulas::default())?;
+        if lacks_values || !is_calculated {
+            let formulas = Formulas::of(&mut workbook, &name, is_calculated)?;
+            if !formulas.cells.is_empty() {
+                text = rows(&mut workbook, &name, &formulas)?.0;
+            }
+        }
+        texts.push((name, text));
+    }
+    Ok(texts)
 }
 
-/// The rows of a sheet, each on the line of its number.
-fn rows(workbook: &mut Xlsx<Cursor<Vec<u8>>>, name: &str) -> Result<Vec<u8>, XlsxError> {
+/// Whether the formulas of a workbook have been calculated: a library that writes them leaves that to the program that opens the file.
+fn is_calculated(bytes: &[u8]) -> bool {
+    let mut text = String::new();
+    let read = ZipArchive::new(Cursor::new(bytes)).map_err(io::Error::other).and_then(|mut archive| {
+        archive.by_name("xl/workbook.xml").map_err(io::Error::other)?.read_to_string(&mut text)
+    });
+    read.is_err() || !["1", "true"].iter().any(|yes| text.contains(&format!("fullCalcOnLoad=\"{yes}\"")))
+}
+
+/// The formulas of a sheet.
+#[derive(Default)]
+struct Formulas {
+    /// By row and column.
+    cells: HashMap<(u32, u32), String>,
+    /// Whether a zero may be a value that has not been calculated.
+    is_zero_none: bool,
+}
+
+impl Formulas {
+    fn of(workbook: &mut Xlsx<Cursor<Vec<u8>>>, name: &str, is_calculated: bool) -> Result<Self, XlsxError> {
+        let mut reader = workbook.worksheet_cells_reader(name)?;
+        let mut cells = HashMap::new();
+        while let Some(cell) = reader.next_formula()? {
+            if !cell.get_value().is_empty() {
+                cells.insert(cell.get_position(), format!("={}", cell.get_value()));
+            }
+        }
+        Ok(Self { cells, is_zero_none: !is_calculated })
+    }
+
+    /// The formula of a cell whose value has not been calculated.
+    fn instead_of(&self, value: &DataRef<'_>, at: (u32, u32)) -> Option<&str> {
+        let is_none = match value {
+            DataRef::Empty => true,
+            DataRef::Int(0) => self.is_zero_none,
+            DataRef::Float(value) => self.is_zero_none && *value == 0.0,
+            _ => false,
+        };
+        if is_none { self.cells.get(&at).map(String::as_str) } else { None }
+    }
+}
+
+/// The rows of a sheet, each on the line of its number, and whether cells have no value. Such a cell is written as its formula, which then is no number.
+fn rows(workbook: &mut Xlsx<Cursor<Vec<u8>>>, name: &str, formulas: &Formulas) -> Result<(Vec<u8>, bool), XlsxError> {
     let mut cells = workbook.worksheet_cells_reader(name)?;
     let (mut text, mut line, mut column) = (Vec::new(), 0, 0);
+    let mut lacks_values = false;
+    // Empty cells at the end of a row are cells: as many as the header, the first row that is no comment, has.
+    let (mut width, mut is_comment) = (None, false);
     while let Some(cell) = cells.next_cell()? {
         let (at_row, at_column) = cell.get_position();
         let written = match cell.get_value() {
             // A comment, which a quotation mark before it would hide.
             DataRef::SharedString(text) if at_column == 0 => comment(text).unwrap_or_else(|| in_text(text)),
             DataRef::String(text) if at_column == 0 => comment(text).unwrap_or_else(|| in_text(text)),
-            value => written(value),
+            value => match formulas.instead_of(value, (at_row, at_column)) {
+                Some(formula) => in_text(formula),
+                None => written(value),
+            },
         };
+        lacks_values |= matches!(cell.get_value(), DataRef::Empty);
         // What lies far outside, or in a row that has been passed, is no part of a table.
         if written.is_empty() || at_row < line || at_column as usize >= 2 * MAX_COLUMNS {
             continue;
         }
         if at_row > line {
+            end_row(&mut text, column, is_comment, &mut width);
+            is_comment = false;
             text.resize(text.len() + (at_row - line) as usize, b'\n');
             (line, column) = (at_row, 0);
         }
@@ -118,12 +201,23 @@ fn rows(workbook: &mut Xlsx<Cursor<Vec<u8>>>, name: &str) -> Result<Vec<u8>, Xls
         }
         text.resize(text.len() + (at_column - column) as usize, b',');
         column = at_column;
+        is_comment |= column == 0 && written.starts_with('#');
         text.write_all(written.as_bytes())?;
     }
     if !text.is_empty() {
+        end_row(&mut text, column, is_comment, &mut width);
         text.push(b'\n');
     }
-    Ok(text)
+    Ok((text, lacks_values))
+}
+
+/// Adds the empty cells at the end of a row, whose last cell stands in `column`.
+fn end_row(text: &mut Vec<u8>, column: u32, is_comment: bool, width: &mut Option<u32>) {
+    if text.last().is_none_or(|last| *last == b'\n') || is_comment {
+        return;
+    }
+    let last = *width.get_or_insert(column);
+    text.resize(text.len() + last.saturating_sub(column) as usize, b',');
 }
 
 /// A cell as it stands in a text.
@@ -180,6 +274,11 @@ mod tests {
 
     /// A workbook of sheets with these names and rows; the cells of a row are as they stand in its XML.
     fn workbook(sheets: &[(&str, &[&[&str]])]) -> Vec<u8> {
+        workbook_of(sheets, "")
+    }
+
+    /// The same, with another part of the list of sheets.
+    fn workbook_of(sheets: &[(&str, &[&[&str]])], more: &str) -> Vec<u8> {
         let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
         let mut add = |name: &str, text: String| {
             zip.start_file(name, SimpleFileOptions::default()).unwrap();
@@ -201,6 +300,8 @@ mod tests {
                 for (letter, cell) in ('A'..).zip(*cells).filter(|(_, cell)| !cell.is_empty()) {
                     let place = format!("{letter}{}", row + 1);
                     match cell.split_once('|') {
+                        Some(("formula", value)) => write!(data, "<c r=\"{place}\"><f>{value}</f></c>"),
+                        Some(("zero", value)) => write!(data, "<c r=\"{place}\"><f>{value}</f><v>0</v></c>"),
                         Some(("date", value)) => write!(data, "<c r=\"{place}\" s=\"1\"><v>{value}</v></c>"),
                         Some((kind, value)) => write!(data, "<c r=\"{place}\" t=\"{kind}\"><v>{value}</v></c>"),
                         None if cell.parse::<f64>().is_ok() => write!(data, "<c r=\"{place}\"><v>{cell}</v></c>"),
@@ -217,7 +318,7 @@ mod tests {
         }
         let main = "xmlns=\"http://schemas.openxmlformats.org/spreadsheetml/2006/main\" \
             xmlns:r=\"http://schemas.openxmlformats.org/officeDocument/2006/relationships\"";
-        add("xl/workbook.xml", format!("<workbook {main}><sheets>{list}</sheets></workbook>"));
+        add("xl/workbook.xml", format!("<workbook {main}><sheets>{list}</sheets>{more}</workbook>"));
         let packages = "xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"";
         let start = "<Relationship Id=\"r1\" Target=\"xl/workbook.xml\" \
             Type=\"http://schemas.openxmlformats.org/officeDocument/2006/relationships/officeDocument\"/>";
@@ -259,6 +360,45 @@ mod tests {
     }
 
     #[test]
+    fn formulas_without_values_and_errors_are_refused_and_empty_cells_are_cells() {
+        let of = |cell: &str| {
+            read(&workbook(&[(
+                "Run",
+                &[&["time [s]", "position [mm]", "remark"], &["0", "0.5", "x"], &["1", cell], &["2", "1.5"], &["3"]],
+            )]))
+        };
+        let told = of("formula|A2*2").unwrap_err().to_string();
+        let begins =
+            "run.xlsx:3:3: column `position [mm]` holds `=A2*2`; expected a number: formulas without a saved value";
+        assert!(told.starts_with(begins), "{told}");
+        let told = of("e|#DIV/0!").unwrap_err().to_string();
+        assert!(
+            told.starts_with("run.xlsx:3:3: column `position [mm]` holds `#DIV/0!`; expected a number: correct"),
+            "{told}"
+        );
+        // A library writes a zero, and that the workbook is still to be calculated.
+        assert_eq!(of("zero|A2*2").unwrap().rows(), 3);
+        let begun = [&[&["time [s]", "position [mm]"][..], &["0", "0.5"], &["1", "zero|A2*2"]][..]];
+        let told = read(&workbook_of(&[("Run", begun[0])], "<calcPr fullCalcOnLoad=\"1\"/>")).unwrap_err().to_string();
+        assert!(told.contains("holds `=A2*2`"), "{told}");
+        assert_eq!(of("1.25").unwrap().rows(), 3, "the last row has no position");
+        assert_eq!(of("").unwrap().rows(), 2);
+        assert_eq!(of("formula|").unwrap().rows(), 2, "an empty formula is an empty cell");
+        // Numbers have a point, whatever a spreadsheet shows; numbers that are text and have a comma are refused.
+        let told = of("1,25").unwrap_err().to_string();
+        assert!(
+            told.contains("`1,25` with a comma") && told.contains("make numbers of the cells that are text"),
+            "{told}"
+        );
+        let units: &[&[&str]] = &[&["time [s]", "position [mm]"], &["s", "cm"], &["0", "0.5"], &["1", "0.75"]];
+        let told = read(&workbook(&[("Run", units)])).unwrap_err().to_string();
+        assert!(
+            told.starts_with("run.xlsx:1:10: column `position [mm]` has the unit `mm` in its name and `cm`"),
+            "{told}"
+        );
+    }
+
+    #[test]
     fn dates_are_times() {
         let rows: &[&[&str]] = &[
             &["time", "spool"],
@@ -296,6 +436,7 @@ mod tests {
                 .contains("an OpenDocument spreadsheet (.ods); expected what is read: save it as CSV or .xlsx")
         );
         assert!(archive("xl/workbook.bin").contains("(.xlsb)"));
+        assert!(archive("word/document.xml").contains("a Word document (.docx); expected the numbers"));
         assert!(archive("run.csv").contains("a ZIP archive; expected a file in it: unpack it"));
         let whole = workbook(&[("Run", &[&["time [s]", "spool"], &["0", "0.1"], &["1", "0.2"]])]);
         for length in (4..whole.len()).step_by(7) {

@@ -157,10 +157,19 @@ fn columns_that_cannot_be_understood_are_refused() {
     assert!(several.ends_with(expected), "{several}");
     assert_error!(refused("time [s],position [inch]\n", Some(1)), RecordingError::UnknownUnit { .. });
     assert_error!(refused("time [s],spool,spool [%]\n", Some(1)), RecordingError::DuplicateColumn { .. });
+    let alike = refused("time [s],spool,spool\n", Some(1)).to_string();
+    assert!(
+        alike.starts_with("run.csv:1:16: columns 2 and 3 are both called `spool`; expected names that differ"),
+        "{alike}"
+    );
+    let map = ChannelMap::from_arguments(["spool=Hub"]).unwrap();
+    let mapped = read_from("run.csv", &b"time [s],Hub,Hub\n0,1,2\n1,2,3\n"[..], &map).unwrap_err();
+    assert!(matches!(mapped, RecordingError::AlikeColumns { numbers: [2, 3], .. }), "{mapped}");
     let error = refused("time [s],position [bar]\n", Some(1));
     assert_eq!(
         error.to_string(),
-        "run.csv:1:10: position is given in `bar`; expected a unit of position, one of: m mm"
+        "run.csv:1:10: position is given in `bar`; expected a unit of position, one of: m mm; where it is not needed, \
+         `unused = [\"position [bar]\"]` in [channels] of the machine file leaves it out"
     );
 }
 
@@ -204,11 +213,11 @@ impl Read for Endless {
 #[test]
 fn endless_garbage_is_refused_early() {
     let error = |pattern| read_from("big", Endless(pattern, 0), &ChannelMap::default()).unwrap_err();
-    assert_error!(error(b"\x7fELF\x02\n\xff"), RecordingError::ControlCharacter { .. });
+    assert_error!(error(b"\x7fXLF\x02\n\xff"), RecordingError::ControlCharacter { .. });
     assert_error!(error(b"\x81\xed\n"), RecordingError::NotUtf8 { .. });
     assert_error!(error(b"\0"), RecordingError::LineTooLong { .. });
     assert_error!(error(b"a,"), RecordingError::LineTooLong { .. });
-    assert_error!(error(b"lorem ipsum\n"), RecordingError::NoTimeColumn { .. });
+    assert_error!(error(b"lorem ipsum\n"), RecordingError::Text { .. });
     assert_error!(error(b"#\n"), RecordingError::TooManySkippedLines { .. });
     assert_error!(error(b"\n"), RecordingError::TooManySkippedLines { .. });
     assert_error!(error(b"Name\t\n"), RecordingError::ExportLayout { .. });

@@ -17,13 +17,21 @@ const OF_DAY: &str = "%H:%M:%S%.f";
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StampClock {
     first: Option<Reading>,
+    /// The last time of day, without midnights.
+    of_day: Option<NaiveDateTime>,
+    midnights: i32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Reading {
     at: NaiveDateTime,
     has_date: bool,
+    /// Whether it begins anew at midnight.
+    is_of_day: bool,
 }
+
+/// A time of day that is smaller by more than this than the one before is of the next day.
+const MOST_BACK: TimeDelta = TimeDelta::hours(23);
 
 impl StampClock {
     /// Seconds since the first reading; `None` for what is no time, or a time of another kind than the first.
@@ -33,11 +41,26 @@ impl StampClock {
         if first.has_date != reading.has_date {
             return None;
         }
-        let passed = reading.at - first.at;
+        if reading.is_of_day {
+            let is_next_day = self.of_day.is_some_and(|last| last - reading.at > MOST_BACK);
+            self.midnights += i32::from(is_next_day);
+            self.of_day = Some(reading.at);
+        }
+        let passed = reading.at - first.at + TimeDelta::days(1) * self.midnights;
         // In whole nanoseconds as long as they fit: 0.03 and not 0.030000000000000002.
         let whole = || passed.num_seconds() as f64 + f64::from(passed.subsec_nanos()) * 1e-9;
         Some(passed.num_nanoseconds().map_or_else(whole, |nanoseconds| nanoseconds as f64 / 1e9))
     }
+}
+
+/// Whether a text looks like a date or a time of day and is none that a [`StampClock`] reads: `5/6/2024 10:00`, `10:00:00 PM`.
+pub(crate) fn is_unreadable(text: &str) -> bool {
+    let marks = text.chars().skip(1).filter(|mark| matches!(mark, '/' | ':' | '-' | '.')).count();
+    let has_mark = text.contains([':', '/']) || marks > 1;
+    text.starts_with(|first: char| first.is_ascii_digit())
+        && has_mark
+        && text.parse::<f64>().is_err()
+        && !is_stamp(text)
 }
 
 /// Whether a text is a time that a [`StampClock`] reads.
@@ -53,13 +76,18 @@ fn reading(text: &str) -> Option<Reading> {
     }
     let text = text.replacen(',', ".", 1);
     if let Ok(with_zone) = DateTime::parse_from_rfc3339(&text.replacen(' ', "T", 1)) {
-        return Some(Reading { at: with_zone.naive_utc(), has_date: true });
+        return Some(Reading { at: with_zone.naive_utc(), has_date: true, is_of_day: false });
     }
     let bare = text.trim_end_matches('Z');
-    let dated = WITH_DATE.iter().find_map(|form| NaiveDateTime::parse_from_str(bare, form).ok());
+    // Of `5/6/24` nobody can say what is the year.
+    let has_year = |form: &&&str| !form.starts_with("%Y") || bare.bytes().take_while(u8::is_ascii_digit).count() >= 4;
+    let dated = WITH_DATE.iter().filter(has_year).find_map(|form| NaiveDateTime::parse_from_str(bare, form).ok());
     if let Some(at) = dated {
-        return Some(Reading { at, has_date: true });
+        // Times of day of a workbook are those of its first day.
+        let is_of_day = Some(at.date()) == NaiveDate::from_ymd_opt(1899, 12, 30);
+        return Some(Reading { at, has_date: true, is_of_day });
     }
+    let is_of_day = bare.starts_with(|first: char| first.is_ascii_digit()) && !bare.contains("day");
     let passed = match bare.split_once(" day") {
         // A duration as pandas writes it: 0 days 00:00:00.002000.
         Some((days, rest)) => {
@@ -72,7 +100,7 @@ fn reading(text: &str) -> Option<Reading> {
         },
     };
     let at = NaiveDate::default().and_time(NaiveTime::MIN).checked_add_signed(passed)?;
-    Some(Reading { at, has_date: false })
+    Some(Reading { at, has_date: false, is_of_day })
 }
 
 /// A duration as ISO 8601 and Polars write it behind `PT`: `1H2M3.25S`.
@@ -117,10 +145,61 @@ mod tests {
         assert_eq!(clock.seconds("2024-05-06T07:08:59.123456789"), Some(0.0));
         assert_eq!(clock.seconds("2025-05-06T07:08:59.123456790"), Some(31_536_000_000_000_001.0 / 1e9));
         assert_eq!(clock.seconds("07:08:59"), None);
-        for other in ["5/6/2024 07:08:59", "12.5", "Tuesday", "07:08", "25:00:00", "", "PT", "PTxS", "x days 00:00:00"]
-        {
+        for other in [
+            "5/6/24 07:08:59",
+            "05-06-24 07:08:59",
+            "5/6/2024 07:08:59",
+            "12.5",
+            "Tuesday",
+            "07:08",
+            "25:00:00",
+            "",
+            "PT",
+            "PTxS",
+            "x days 00:00:00",
+        ] {
             assert!(!is_stamp(other), "{other}");
         }
+    }
+
+    #[test]
+    fn times_of_day_pass_midnight() {
+        for date in ["", "1899-12-30T"] {
+            let mut clock = StampClock::default();
+            let times = ["23:59:59.900", "00:00:00.000", "12:00:00", "23:59:59.900", "00:00:00.100"];
+            let found: Vec<f64> = times.iter().map(|time| clock.seconds(&format!("{date}{time}")).unwrap()).collect();
+            assert_eq!(found, [0.0, 0.1, 43_200.1, 86_400.0, 86_400.2]);
+            // A smaller step back is none.
+            assert!(clock.seconds("00:00:00.000").is_none_or(|back| back < 86_400.2));
+        }
+        // Nor do dates and durations begin anew.
+        for [first, second] in [["2024-05-06T23:59:59", "2024-05-06T00:00:00"], ["0 days 23:59:59", "0 days 00:00:00"]]
+        {
+            let mut clock = StampClock::default();
+            clock.seconds(first).unwrap();
+            assert!(clock.seconds(second).unwrap() < 0.0);
+        }
+    }
+
+    #[test]
+    fn times_that_are_not_read_say_which_are() {
+        for written in
+            ["5/6/2024 10:00:00.000", "5/6/24 10:00:00", "10:00:00 PM", "10:00", "06-May-2024 10:00:00", "5.6.24"]
+        {
+            for header in ["time", "time [s]"] {
+                let told =
+                    read_from("run.csv", format!("{header},spool\n{written},1\n").as_bytes(), &ChannelMap::default());
+                let told = told.unwrap_err().to_string();
+                assert!(told.contains(written) && told.contains("2024-05-06T07:08:09.125"), "{told}");
+                assert_eq!(told.contains("the day or the month"), written.contains('/'), "{told}");
+                assert!(told.starts_with("run.csv:2:1: "), "{told}");
+            }
+        }
+        assert!(
+            ["12.5", "-1e-3", "1e-3", "07:08:09", "2024-05-06T07:08:09", "x", ""]
+                .iter()
+                .all(|text| !is_unreadable(text))
+        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The reader of recordings in text form.
 //!
 //! One header row of `name [unit]`, then one row per line; time in any column. Besides this plain form, the reader
-//! accepts `;` and tab as separators (detected in the header row), decimal commas, a byte order
+//! accepts `;`, tab and `|` as separators (detected in the header row), decimal commas, a byte order
 //! mark, Windows-1252 in place of UTF-8, CRLF, comment lines that begin with `#`, quoted cells, a row of units below the header, a separator at the end
 //! of every line, and dates for times. A last line that is cut off is not read. Times may be uneven and have gaps. A
 //! row that repeats the time before it (see [`coarse_stamps`](crate::formats::coarse_stamps) for times that most rows share), or has no value in a known column, is left out and
@@ -17,6 +17,7 @@ use super::twincat;
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::formats::coarse_stamps::CoarseStamps;
+use crate::formats::text_fault::TextFault;
 use crate::header::assign;
 use crate::recording::{At, Column, LeftOut, Note, Recording, gaps};
 use crate::signal::Signal;
@@ -39,6 +40,7 @@ impl<'a> Opened<'a> {
             return twincat::read(lines, splitter, heading.names, map).map(Opened::Whole);
         }
         heading.look_below(&mut lines, &mut splitter)?;
+        heading.check_times(map)?;
         let offers = heading.offers_with_stamps(map);
         let mut assignment = assign(&offers, map, &file, |index| heading.place(index))?;
         let Some(time) = assignment.known.iter().position(|(_, column)| column.signal == Signal::Time) else {
@@ -116,7 +118,12 @@ impl Reader<'_> {
                 if !is_cut || !matches!(self.lines.next(), Ok(None)) {
                     return Err(error);
                 }
-                self.notes.push(Note::CutLine { line: number });
+                self.notes.push(match error {
+                    RecordingError::Text { fault: TextFault::Words(text), .. } => {
+                        Note::LastLineOfWords { line: number, text }
+                    }
+                    _ => Note::CutLine { line: number },
+                });
                 self.is_at_end = true;
                 break;
             }
@@ -203,7 +210,7 @@ impl Reader<'_> {
 fn is_of_a_cut_line(error: &RecordingError, line: TextLine<'_>) -> bool {
     match error {
         RecordingError::RaggedRow { found, expected, .. } => found < expected,
-        RecordingError::OpenQuote { .. } => true,
+        RecordingError::OpenQuote { .. } | RecordingError::Text { fault: TextFault::Words(_), .. } => true,
         _ => !line.is_ended(),
     }
 }
@@ -297,6 +304,10 @@ impl TextRows {
     }
 
     fn push(&mut self, line: TextLine<'_>, cells: Cells<'_>) -> Result<(), RecordingError> {
+        if !self.times_s().is_empty() && self.is_of_words(cells) {
+            let first = cells.iter().find(|cell| !cell.is_empty()).unwrap_or_default();
+            return Err(RecordingError::Text { place: line.whole(), fault: TextFault::Words(first.to_owned()) });
+        }
         let found = cells.len();
         let is_too_long = || (self.width..found).any(|index| !cells.get(index).is_empty());
         if found < self.width || (found > self.width && is_too_long()) || self.seems_cut(line, cells) {
@@ -342,6 +353,13 @@ impl TextRows {
         Ok(())
     }
 
+    /// Whether these are no cells of a row but words, as below the rows: `End of file`, `Average,1.5,100`.
+    fn is_of_words(&self, cells: Cells<'_>) -> bool {
+        let time = cells.get(self.columns[0].0);
+        let is_known = || cells.len() < self.width || self.columns.iter().any(|(known, _)| *known == 0);
+        is_of_words(time) || (time.is_empty() && is_of_words(cells.get(0)) && is_known())
+    }
+
     /// Whether the file ends within the last cell of the line: without an end of the line, in a known column, with fewer characters than any row before.
     fn seems_cut(&mut self, line: TextLine<'_>, cells: Cells<'_>) -> bool {
         if !self.ends_known {
@@ -365,6 +383,15 @@ impl TextRows {
             self.left_out.cells.push(value.filter(|value| value.is_finite()));
         }
     }
+}
+
+/// Whether a cell holds words: no number, date or sign of a missing value, nor the beginning of one.
+fn is_of_words(cell: &str) -> bool {
+    let is_number = || cell.parse::<f64>().is_ok() || is_missing(cell);
+    let begins_as_one = cell.starts_with(|first: char| first.is_ascii_digit() || first == 'P') || cell.len() < 2;
+    !begins_as_one
+        && !cell.trim_start_matches(['+', '-', '.', ',']).starts_with(|first: char| first.is_ascii_digit())
+        && !is_number()
 }
 
 fn count(rows: &mut Option<(usize, usize)>, line: TextLine<'_>) {

@@ -6,6 +6,7 @@ use super::lines::{Cells, Lines, Splitter, TextLine};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
+use crate::formats::text_fault::TextFault;
 use crate::header::{Offer, leave_unused};
 use crate::signal::{Signal, split_header};
 use crate::unit::Unit;
@@ -19,8 +20,12 @@ pub(crate) struct Heading {
     pub(crate) names: Vec<String>,
     /// What the row below says of the unit of each, if it is a row of units.
     units: Vec<Option<String>>,
+    /// The number and text of that row.
+    units_line: (usize, String),
     /// Columns whose first cell is a date or a time of day.
     stamped: Vec<bool>,
+    /// Columns whose first cell is a date or a time of day in a form that is not read, with that cell.
+    unreadable: Vec<(usize, Place, String)>,
 }
 
 impl Heading {
@@ -34,7 +39,20 @@ impl Heading {
             names.pop();
         }
         let (units, stamped) = (vec![None; names.len()], vec![false; names.len()]);
-        Ok((Self { file, line, separator: splitter.separator(), names, units, stamped }, splitter))
+        let units_line = (0, String::new());
+        Ok((
+            Self {
+                file,
+                line,
+                separator: splitter.separator(),
+                names,
+                units,
+                units_line,
+                stamped,
+                unreadable: Vec::new(),
+            },
+            splitter,
+        ))
     }
 
     /// Looks at the row below: takes it, if it is a row of units, and finds dates in the first row of numbers.
@@ -46,11 +64,15 @@ impl Heading {
                 lines.put_back();
                 return Ok(());
             };
-            if may_be_units && are_units(cells) {
+            if may_be_units && are_units(&self.names, cells) {
+                self.units_line = (below.number(), below.text.to_owned());
                 self.units = (0..self.names.len()).map(|index| unit_text(cells.get(index))).collect();
                 continue;
             }
             self.stamped = (0..self.names.len()).map(|index| clock::is_stamp(cells.get(index))).collect();
+            let unreadable = (0..self.names.len()).filter(|index| clock::is_unreadable(cells.get(*index)));
+            let with_place = |index| (index, below.cell(self.separator, index), cells.get(index).to_owned());
+            self.unreadable = unreadable.map(with_place).collect();
             lines.put_back();
             return Ok(());
         }
@@ -59,7 +81,14 @@ impl Heading {
 
     /// The columns by their names.
     pub(crate) fn offers(&self) -> Vec<Offer> {
-        let of = |index: usize| Offer::beside(&self.names[index], self.units[index].as_deref());
+        let of = |index: usize| {
+            let mut offer = Offer::beside(&self.names[index], self.units[index].as_deref());
+            if let Some(clash) = &mut offer.clash {
+                let (number, text) = &self.units_line;
+                clash.beside_at = Some(TextLine::of(&self.file, *number, text).cell(self.separator, index));
+            }
+            offer
+        };
         (0..self.names.len()).map(of).collect()
     }
 
@@ -74,8 +103,7 @@ impl Heading {
     pub(crate) fn offers_with_stamps(&self, map: &ChannelMap) -> Vec<Offer> {
         let mut offers = self.offers_of(map);
         for (offer, _) in offers.iter_mut().zip(&self.stamped).filter(|(_, stamped)| **stamped) {
-            let is_mapped = map.get(Signal::Time).is_some_and(|mapping| offer.is_meant_by(mapping));
-            if is_mapped || offer.is_named(Signal::Time) {
+            if is_time(offer, map) {
                 offer.is_in_seconds();
             }
         }
@@ -85,10 +113,19 @@ impl Heading {
     /// Whether a column is time by its name or the map.
     #[cfg(feature = "xlsx")]
     pub(crate) fn has_time(&self, map: &ChannelMap) -> bool {
-        let mapping = map.get(Signal::Time);
-        let is_time =
-            |offer: &Offer| offer.is_named(Signal::Time) || mapping.is_some_and(|mapping| offer.is_meant_by(mapping));
-        self.offers_of(map).iter().any(is_time)
+        self.offers_of(map).iter().any(|offer| is_time(offer, map))
+    }
+
+    /// Checks that the column of time, if it has dates, has such as are read.
+    pub(crate) fn check_times(&self, map: &ChannelMap) -> Result<(), RecordingError> {
+        let offers = self.offers_of(map);
+        match self.unreadable.iter().find(|(index, ..)| is_time(&offers[*index], map)) {
+            Some((index, place, found)) => {
+                let fault = TextFault::UnreadableTime { header: self.names[*index].clone(), found: found.clone() };
+                Err(RecordingError::Text { place: place.clone(), fault })
+            }
+            None => Ok(()),
+        }
     }
 
     /// Whether the times of a column are dates or times of day.
@@ -108,20 +145,41 @@ impl Heading {
 
     /// The error of a text without time.
     pub(crate) fn without_time(&self) -> RecordingError {
-        RecordingError::NoTimeColumn { place: self.place(0), present: self.names.clone() }
+        let place = self.place(0);
+        match self.names.as_slice() {
+            [one] if one.parse::<f64>().is_err() => {
+                // Two units in brackets, or two words as far apart as in columns.
+                let has_blanks = one.contains("  ") || one.matches('[').count() > 1;
+                RecordingError::Text { place, fault: TextFault::NoSeparator { has_blanks } }
+            }
+            _ => RecordingError::NoTimeColumn { place, present: self.names.clone() },
+        }
     }
 }
 
-/// Whether these cells are units: at least one is, and none is a number but the 1 of a pure number.
-fn are_units(cells: Cells<'_>) -> bool {
+/// Whether a column is time by its name or the map.
+fn is_time(offer: &Offer, map: &ChannelMap) -> bool {
+    offer.is_named(Signal::Time) || map.get(Signal::Time).is_some_and(|mapping| offer.is_meant_by(mapping))
+}
+
+/// Whether these cells are units: at least one is, or is a word where the header says that a unit can stand, and none is a number but the 1 of a pure number.
+fn are_units(names: &[String], cells: Cells<'_>) -> bool {
     let mut any = false;
-    for cell in cells.iter() {
+    for (index, cell) in cells.iter().enumerate() {
         let Some(text) = unit_text(cell) else { continue };
         let is_number = text.replacen(',', ".", 1).parse::<f64>().is_ok_and(|_| text != "1");
         if is_number || is_missing(cell) || clock::is_stamp(cell) {
             return false;
         }
-        any |= Unit::parse(&text).is_some_and(|unit| unit.symbol() != "1");
+        let has_unit = |name: &String| {
+            let (short, unit) = split_header(name);
+            Signal::parse(short).is_some() || unit.is_some_and(|unit| Unit::parse(unit).is_some())
+        };
+        let is_word = text.starts_with(char::is_alphabetic) && !text.contains(char::is_whitespace);
+        any |= match Unit::parse(&text) {
+            Some(unit) => unit.symbol() != "1",
+            None => is_word && names.get(index).is_some_and(has_unit),
+        };
     }
     any
 }
@@ -152,13 +210,35 @@ mod tests {
             assert_eq!(recording.signal(Signal::PressureA).unwrap(), [70e5, 71e5]);
             assert_eq!(recording.column(Signal::Position).unwrap().header, "position [mm]");
         }
-        // With a unit in the header as well, that one counts.
-        let both = read("time [s],position [mm]\n,m\n0,1\n1,2\n").unwrap();
-        assert_eq!(both.signal(Signal::Position).unwrap(), [0.001, 0.002]);
+        for units in ["s,mm", ",[mm]", ",(mm)", "s,"] {
+            let both = read(&format!("time [s],position [mm]\n{units}\n0,1\n1,2\n")).unwrap();
+            assert_eq!(both.signal(Signal::Position).unwrap(), [0.001, 0.002], "{units}");
+        }
         let map = ChannelMap::from_arguments(["position=Weg", "time=Zeit"]).unwrap();
         let mapped = read_from("r.csv", &b"Weg;Zeit\nmm;s\n1,5;0\n2,5;1\n"[..], &map).unwrap();
         assert_eq!(mapped.signal(Signal::Position).unwrap(), [0.0015, 0.0025]);
         assert!(matches!(read("time,position\n0,1\n1,2\n"), Err(RecordingError::MissingUnit { .. })));
+    }
+
+    #[test]
+    fn a_row_of_units_that_contradicts_the_header_is_refused_with_both_cells() {
+        let told = read("time [s],position [mm]\ns,cm\n0,1\n1,2\n").unwrap_err().to_string();
+        let expected = "run.csv:1:10: column `position [mm]` has the unit `mm` in its name and `cm` in the row of units, line 2 column 3; expected one \
+                        unit: correct the header or the row of units";
+        assert_eq!(told, expected);
+        for text in ["time [s],position [mm]\n,m", "time [s],position [mm]\n,cm", "time [ms],position [mm]\ns,mm"] {
+            let told = read(&format!("{text}\n0,1\n1,2\n")).unwrap_err();
+            assert!(matches!(told, RecordingError::Text { .. }), "{told}");
+        }
+        // Behind an underscore, too, where the column is mapped; a letter may stand for something else.
+        let map = ChannelMap::from_arguments(["position=Weg_mm", "force=Kraft_s"]).unwrap();
+        let read_mapped = |text: &str| read_from("r.csv", text.as_bytes(), &map);
+        assert!(read_mapped("time [s],Weg_mm,Kraft_s\ns,cm,N\n0,1,2\n1,2,2\n").is_err());
+        let agreed = read_mapped("time [s],Weg_mm,Kraft_s\ns,mm,N\n0,1,2\n1,2,2\n").unwrap();
+        assert_eq!(agreed.signal(Signal::Position).unwrap(), [0.001, 0.002]);
+        // A column that nobody needs does not matter, nor does one that is left out.
+        assert_eq!(read("time [s],spool,x [mm]\ns,1,cm\n0,1,1\n1,2,1\n").unwrap().rows(), 2);
+        assert!(read("time [s],position\n,cm\n0,1\n1,2\n").unwrap_err().to_string().contains("unknown unit `cm`"));
     }
 
     #[test]
@@ -173,6 +253,25 @@ mod tests {
         let comma = read("sep=,\ntime [s],position [mm]\n0,1\n1,2\n").unwrap();
         assert_eq!(comma.signal(Signal::Position).unwrap(), [0.001, 0.002]);
         assert!(matches!(read("sep=;\n"), Err(RecordingError::Empty { .. })));
+        for mark in ['|', ':'] {
+            let told = if mark == ':' { "sep=:\n" } else { "" };
+            let other = read(&format!("{told}{}", rows(mark).replace("x, y", "x"))).unwrap();
+            assert_eq!(other.signal(Signal::Position).unwrap(), [0.001, 0.002], "{mark}");
+        }
+    }
+
+    #[test]
+    fn a_header_without_a_separator_says_so() {
+        for (text, told) in [
+            ("time [s]   command [V]\n0   1\n", "separated by blanks"),
+            ("time [s] command [V]\n0 1\n", "separated by blanks"),
+            ("time  spool\n0\t1\n", "separated by blanks"),
+            ("time:spool\n0:1\n", "a header of one cell"),
+            ("Made by Somebody\ntime [s],spool\n", "lines above the header begin with `#`"),
+        ] {
+            let refused = read(text).unwrap_err().to_string();
+            assert!(refused.contains(told) && refused.contains("`sep=:`"), "{refused}");
+        }
     }
 
     #[test]
@@ -228,6 +327,24 @@ mod tests {
             assert_eq!((recording.rows(), recording.time_s()[2]), (3, 2.0), "{}", &whole[..end]);
             let told: Vec<String> = recording.notes().iter().map(ToString::to_string).collect();
             assert_eq!(told, ["line 5, the last one, is cut off and is not read"]);
+        }
+        // A line of words below the rows is none of them.
+        for words in
+            ["End of file", "End of file,,", "Average,1.5,100", "Max,,", "--- END ---", "// made by,a,b", "% end"]
+        {
+            let rows = "time [s],position [mm],spool\n0,1.25,0.125\n1,2.25,0.250\n";
+            let last = read(&format!("{rows}{words}\n")).unwrap();
+            let told: Vec<String> = last.notes().iter().map(ToString::to_string).collect();
+            assert!(
+                last.rows() == 2 && told.len() == 1 && told[0].starts_with("line 4, the last one, begins with `"),
+                "{told:?}"
+            );
+            let more = read(&format!("{rows}{words}\nMin,1,2\n")).unwrap_err().to_string();
+            assert!(
+                more.starts_with("run.csv:4:1: a line of words, `")
+                    && more.ends_with("delete the line, or begin it with `#`"),
+                "{more}"
+            );
         }
         // With rows behind it, it is not cut off.
         assert!(matches!(read("time [s],spool\n0,1\n1\n2,1\n"), Err(RecordingError::RaggedRow { .. })));

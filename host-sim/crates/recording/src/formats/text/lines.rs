@@ -282,7 +282,7 @@ fn told_separator(line: &str) -> Option<u8> {
     }
 }
 
-/// The separator of a header row: the first tab, semicolon or comma outside quotes and brackets.
+/// The separator of a header row: the first tab, semicolon or comma outside quotes and brackets, or else a stroke `|`.
 fn detect_separator(header: &str) -> u8 {
     let mut quoted = false;
     let mut depth = 0_u32;
@@ -295,7 +295,7 @@ fn detect_separator(header: &str) -> u8 {
             _ => {}
         }
     }
-    b','
+    if header.contains('|') { b'|' } else { b',' }
 }
 
 /// The bytes of one cell in its line, quotes included.
@@ -356,6 +356,8 @@ mod tests {
         assert_eq!(detect_separator("\"t, rel [s]\";a"), b';');
         assert_eq!(detect_separator("time [s]\ta"), b'\t');
         assert_eq!(detect_separator("time [s]"), b',');
+        assert_eq!(detect_separator("time [s]|a"), b'|');
+        assert_eq!(detect_separator("time [s],|v|"), b',');
     }
 
     #[test]

@@ -28,7 +28,7 @@ use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::formats::resample::{self, Sampled};
-use crate::header::{Offer, assign, leave_unused};
+use crate::header::{Offer, assign, clash, leave_unused};
 use crate::recording::{At, Column, Note, Recording};
 use crate::signal::{Signal, split_header};
 use crate::unit::{Dimension, Unit};
@@ -249,7 +249,7 @@ fn offer(name: &str, symbol: Option<&str>, unit: Option<&str>) -> Offer {
     let (short, in_name) = split_header(name);
     let mut names = vec![(name.to_owned(), owned(unit)), (short.to_owned(), owned(in_name.or(unit)))];
     names.extend(symbol.map(|symbol| (symbol.to_owned(), owned(unit))));
-    Offer { header: name.to_owned(), names }
+    Offer { header: name.to_owned(), names, clash: unit.and_then(|unit| clash(name, unit)) }
 }
 
 #[cfg(test)]
