@@ -87,7 +87,8 @@ pub fn significant(value: f64, digits: i32) -> String {
 /// A value in SI units with this many significant digits: plain where people write it so, with a power of ten where it has many zeros.
 #[must_use]
 pub fn in_si(value: f64, digits: i32) -> String {
-    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) || !value.is_finite() {
+    let plain = 1e-3..f64::powi(10.0, digits.max(4));
+    if value == 0.0 || plain.contains(&value.abs()) || !value.is_finite() {
         return significant(value, digits);
     }
     let precision = usize::try_from(digits - 1).unwrap_or(0);
@@ -130,7 +131,7 @@ mod tests {
         assert_eq!(in_si(0.132_649, 5), "0.13265");
         assert_eq!(in_si(-7.0e6, 5), "-7.0000e6");
         assert_eq!(in_si(2.966e-12, 3), "2.97e-12");
-        assert_eq!(in_si(98_765.4, 3), "98765");
+        assert_eq!((in_si(98_765.4, 5), in_si(98_765.4, 2)), ("98765".into(), "9.9e4".into()));
         assert_eq!((in_si(0.0, 5), in_si(f64::NAN, 2)), ("0".into(), "NaN".into()));
     }
 
