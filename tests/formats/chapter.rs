@@ -83,6 +83,12 @@ fn a_unit_stands_in_brackets_or_another_known_way() {
     for header in ["position [mm]", "position (mm)", "position/mm", "position in mm"] {
         positions(&format!("time [s],{header}\n0,1\n1,2\n"), &[1e-3, 2e-3]);
     }
+    for unit in ["sec", "s"] {
+        positions(
+            &format!("time [{unit}],position [mm],flow [L/min],pump_speed [1/min],angle [°]\n0,1,1,1,1\n1,2,1,1,1\n"),
+            &[1e-3, 2e-3],
+        );
+    }
 }
 
 fn a_dimensionless_signal_needs_no_unit() {
@@ -202,6 +208,9 @@ fn the_separator_is_the_first_of_the_header_or_what_sep_says() {
         "sep=:\ntime [s]:position [mm]\n0:1\n1:2\n",
         "time [s],position [mm],\n0,1,\n1,2,\n",
         "# made by hand\n\ntime [s],position [mm]\n0,1\n# between\n\n1,2\n",
+        "# made by hand\n# time [s],position [mm]\n0,1\n1,2\n",
+        "time [s]|Druck, links [bar]|position [mm]\n0|5|1\n1|5|2\n",
+        "time [s],position [mm]\n0,1\n#N/A,5\n1,2\n",
     ] {
         positions(text, &[1e-3, 2e-3]);
     }

@@ -338,6 +338,7 @@ impl Explained for RecordingError {
             | E::MappedColumnAbsent { header, .. }
             | E::ColumnAbsent { header, .. }
             | E::NotANumber { header, .. }
+            | E::NotAStamp { header, .. }
             | E::NotFinite { header, .. }
             | E::NoTimes { header, .. }
             | E::NotNumbers { header, .. }
@@ -346,6 +347,7 @@ impl Explained for RecordingError {
             | E::Text {
                 fault: TextFault::UnitsDiffer { header, .. } | TextFault::UnreadableTime { header, .. }, ..
             } => Some(header.clone()),
+            E::Mark { cell, .. } => Some(cell.header.clone()),
             E::DuplicateColumn { second, .. } => Some(second.clone()),
             E::AngleOutOfReach { .. } => Some(Signal::Angle.name().to_owned()),
             E::TimeBackwards { .. } => Some(Signal::Time.name().to_owned()),

@@ -107,12 +107,22 @@ impl Unit {
     /// The unit with this symbol, if it is a known one.
     ///
     /// Besides the symbols of the file format it accepts other spellings of the same unit:
-    /// both Unicode micro signs and `us`, `m³/s`, and `-` for a pure number.
+    /// both Unicode micro signs and `us`, `m³/s`, `L/min`, `1/min`, `sec`, `degC`, `Bar` and their like, and `-` for a pure number.
     #[must_use]
     pub fn parse(symbol: &str) -> Option<Self> {
         let plain = match symbol.trim() {
-            "us" | "μs" => "µs",
+            "us" | "μs" | "usec" => "µs",
+            "sec" | "Sec" | "second" | "seconds" | "Seconds" => "s",
+            "msec" | "milliseconds" => "ms",
             "m³/s" => "m3/s",
+            "L/min" | "lpm" => "l/min",
+            "1/min" | "min-1" | "min⁻¹" | "U/min" | "RPM" => "rpm",
+            "mm/sec" => "mm/s",
+            "m/sec" => "m/s",
+            "°" | "degree" | "degrees" => "deg",
+            "degC" | "℃" => "°C",
+            "Bar" => "bar",
+            "Volt" => "V",
             "-" => "1",
             other => other,
         };
@@ -239,11 +249,14 @@ mod tests {
             }
         }
         assert_eq!(Unit::parse("mm").unwrap().print(1e-4), "0.1");
+        let spelt =
+            ["sec", "L/min", "1/min", "mm/sec", "°", "degC", "Bar"].map(|text| Unit::parse(text).unwrap().symbol());
+        assert_eq!(spelt, ["s", "l/min", "rpm", "mm/s", "deg", "°C", "bar"]);
     }
 
     #[test]
     fn unknown_symbols_are_not_guessed() {
-        for symbol in ["", "MM", "Bar", "mbar", "V ]", "inch"] {
+        for symbol in ["", "MM", "Mpa", "mbar", "V ]", "inch"] {
             assert_eq!(Unit::parse(symbol), None, "{symbol}");
         }
     }

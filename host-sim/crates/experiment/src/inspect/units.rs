@@ -39,11 +39,11 @@ pub fn unit_doubts(recording: &Recording, machine: &Machine<f64>) -> Vec<UnitDou
     command.into_iter().chain(position).chain(pressures).chain(speed).chain(load_doubt(machine)).collect()
 }
 
-/// Whether the constant load is more than the supply pressure can lift on the larger side of the piston.
+/// Whether the constant load is more than the supply pressure can hold on the side of the piston that it presses on: B where it extends.
 #[must_use]
 pub fn load_doubt(machine: &Machine<f64>) -> Option<UnitDoubt> {
     let load_n = machine.get(Parameter::LoadForce);
-    let area_m2 = machine.get(Parameter::AreaA).max(machine.get(Parameter::AreaB));
+    let area_m2 = machine.get(if load_n > 0.0 { Parameter::AreaB } else { Parameter::AreaA });
     let full_n = machine.get(Parameter::SupplyPressure) * area_m2;
     (machine.source != Source::Force && load_n.abs() > full_n).then_some(UnitDoubt::Load { load_n, full_n })
 }

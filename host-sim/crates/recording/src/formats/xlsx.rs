@@ -15,7 +15,7 @@ use super::format::{Format, MAX_UNPACKED_BYTES};
 use super::sheet::quoted;
 use super::text::csv::Opened;
 use super::text::heading::Heading;
-use super::text::lines::{Lines, MAX_COLUMNS};
+use super::text::lines::{self, Lines, MAX_COLUMNS};
 use super::unsupported::Unsupported;
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
@@ -201,7 +201,7 @@ fn rows(workbook: &mut Xlsx<Cursor<Vec<u8>>>, name: &str, formulas: &Formulas) -
         }
         text.resize(text.len() + (at_column - column) as usize, b',');
         column = at_column;
-        is_comment |= column == 0 && written.starts_with('#');
+        is_comment |= column == 0 && lines::is_comment(written.as_bytes());
         text.write_all(written.as_bytes())?;
     }
     if !text.is_empty() {
@@ -242,7 +242,7 @@ fn in_text(text: &str) -> String {
 /// The text of a row's first cell that makes the row a comment.
 fn comment(text: &str) -> Option<String> {
     let on_one_line = || text.replace(char::is_control, " ");
-    text.starts_with('#').then(on_one_line)
+    lines::is_comment(text.as_bytes()).then(on_one_line)
 }
 
 /// A date that is counted in days, with the time of the day.

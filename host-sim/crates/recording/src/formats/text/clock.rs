@@ -42,8 +42,10 @@ impl StampClock {
             return None;
         }
         if reading.is_of_day {
-            let is_next_day = self.of_day.is_some_and(|last| last - reading.at > MOST_BACK);
-            self.midnights += i32::from(is_next_day);
+            let back = self.of_day.map_or(TimeDelta::zero(), |last| last - reading.at);
+            // A time of the day before is out of order, and the next one passes midnight once more.
+            let is_day_before = -back > MOST_BACK && self.midnights > 0;
+            self.midnights += i32::from(back > MOST_BACK) - i32::from(is_day_before);
             self.of_day = Some(reading.at);
         }
         let passed = reading.at - first.at + TimeDelta::days(1) * self.midnights;
@@ -79,8 +81,10 @@ fn reading(text: &str) -> Option<Reading> {
         return Some(Reading { at: with_zone.naive_utc(), has_date: true, is_of_day: false });
     }
     let bare = text.trim_end_matches('Z');
-    // Of `5/6/24` nobody can say what is the year.
-    let has_year = |form: &&&str| !form.starts_with("%Y") || bare.bytes().take_while(u8::is_ascii_digit).count() >= 4;
+    // Of `5/6/24` and `05.06.24` nobody can say what is the year.
+    let year = |form: &str| if form.starts_with("%Y") { Some(bare) } else { bare.splitn(3, '.').nth(2) };
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let has_year = |form: &&&str| year(form).is_some_and(|year| digits(year) >= 4);
     let dated = WITH_DATE.iter().filter(has_year).find_map(|form| NaiveDateTime::parse_from_str(bare, form).ok());
     if let Some(at) = dated {
         // Times of day of a workbook are those of its first day.
@@ -148,6 +152,8 @@ mod tests {
         for other in [
             "5/6/24 07:08:59",
             "05-06-24 07:08:59",
+            "05.06.24 07:08:59",
+            "24.05.06 07:08:59",
             "5/6/2024 07:08:59",
             "12.5",
             "Tuesday",
@@ -169,6 +175,9 @@ mod tests {
             let times = ["23:59:59.900", "00:00:00.000", "12:00:00", "23:59:59.900", "00:00:00.100"];
             let found: Vec<f64> = times.iter().map(|time| clock.seconds(&format!("{date}{time}")).unwrap()).collect();
             assert_eq!(found, [0.0, 0.1, 43_200.1, 86_400.0, 86_400.2]);
+            // A time of the day before is a step back, and the next one passes the same midnight.
+            let again = ["23:59:59.999", "00:00:00.200"].map(|time| clock.seconds(&format!("{date}{time}")).unwrap());
+            assert!(again[0] < 86_400.2 && (again[1] - 86_400.3).abs() < 1e-9, "{again:?}");
             // A smaller step back is none.
             assert!(clock.seconds("00:00:00.000").is_none_or(|back| back < 86_400.2));
         }

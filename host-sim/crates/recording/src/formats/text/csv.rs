@@ -320,6 +320,7 @@ impl TextRows {
         }
         self.row.clear();
         if self.columns.iter().any(|(index, _)| is_missing(cells.get(*index))) {
+            self.check_present(line, cells)?;
             count(&mut self.incomplete, line);
             self.leave_out(cells);
             return Ok(());
@@ -351,6 +352,14 @@ impl TextRows {
             column.values.push(value);
         }
         Ok(())
+    }
+
+    /// Checks that what stands beside an empty cell is a number, and no words.
+    fn check_present(&self, line: TextLine<'_>, cells: Cells<'_>) -> Result<(), RecordingError> {
+        let is_wrong = |(index, _): &&(usize, Column)| is_of_words(cells.get(*index));
+        let Some((index, column)) = self.columns.iter().find(is_wrong) else { return Ok(()) };
+        let (place, header) = (line.cell(self.separator, *index), column.header.clone());
+        Err(RecordingError::NotANumber { place, header, found: cells.get(*index).to_owned() })
     }
 
     /// Whether these are no cells of a row but words, as below the rows: `End of file`, `Average,1.5,100`.
@@ -388,10 +397,13 @@ impl TextRows {
 /// Whether a cell holds words: no number, date or sign of a missing value, nor the beginning of one.
 fn is_of_words(cell: &str) -> bool {
     let is_number = || cell.parse::<f64>().is_ok() || is_missing(cell);
-    let begins_as_one = cell.starts_with(|first: char| first.is_ascii_digit() || first == 'P') || cell.len() < 2;
-    !begins_as_one
-        && !cell.trim_start_matches(['+', '-', '.', ',']).starts_with(|first: char| first.is_ascii_digit())
-        && !is_number()
+    // A duration such as PT1.5S, or the beginning of one; a formula without a value is told by its cell.
+    let rest = cell.strip_prefix('P').map(|rest| rest.trim_start_matches(['T', '-']));
+    let is_duration =
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(|first: char| first.is_ascii_digit()));
+    let bare = cell.trim_start_matches(['+', '-', '.', ',']);
+    let begins_as_number = bare.is_empty() || bare.starts_with(|first: char| first.is_ascii_digit());
+    !begins_as_number && !is_duration && !cell.starts_with(['=', '#']) && !is_number()
 }
 
 fn count(rows: &mut Option<(usize, usize)>, line: TextLine<'_>) {

@@ -7,7 +7,7 @@ use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 use crate::formats::text_fault::TextFault;
-use crate::header::{Offer, leave_unused};
+use crate::header::{Offer, is_same_unit, leave_unused};
 use crate::signal::{Signal, split_header};
 use crate::unit::Unit;
 
@@ -66,7 +66,9 @@ impl Heading {
             };
             if may_be_units && are_units(&self.names, cells) {
                 self.units_line = (below.number(), below.text.to_owned());
-                self.units = (0..self.names.len()).map(|index| unit_text(cells.get(index))).collect();
+                self.units = (0..self.names.len())
+                    .map(|index| Some(cells.get(index)).filter(|cell| !is_missing(cell)).and_then(unit_text))
+                    .collect();
                 continue;
             }
             self.stamped = (0..self.names.len()).map(|index| clock::is_stamp(cells.get(index))).collect();
@@ -162,26 +164,34 @@ fn is_time(offer: &Offer, map: &ChannelMap) -> bool {
     offer.is_named(Signal::Time) || map.get(Signal::Time).is_some_and(|mapping| offer.is_meant_by(mapping))
 }
 
-/// Whether these cells are units: at least one is, or is a word where the header says that a unit can stand, and none is a number but the 1 of a pure number.
+/// Units of other programs, which are not read: they make a row one of units, and contradict a header.
+const OTHERS: [&str; 24] = [
+    "cm", "dm", "km", "in", "inch", "ft", "h", "min", "ns", "kV", "A", "mbar", "hPa", "GPa", "kgf", "lbf", "daN", "MN",
+    "l/s", "l/h", "m3/h", "gpm", "°F", "degF",
+];
+
+/// Whether these cells are units: at least one is, and none is a number but the 1 of a pure number. A sign of a missing value is an empty cell.
 fn are_units(names: &[String], cells: Cells<'_>) -> bool {
     let mut any = false;
     for (index, cell) in cells.iter().enumerate() {
         let Some(text) = unit_text(cell) else { continue };
-        let is_number = text.replacen(',', ".", 1).parse::<f64>().is_ok_and(|_| text != "1");
-        if is_number || is_missing(cell) || clock::is_stamp(cell) {
+        if is_missing(cell) {
+            continue;
+        }
+        let is_number = text.replacen(',', ".", 1).parse::<f64>().is_ok();
+        let may_be_pure = || names.get(index).is_none_or(|name| may_be_pure(name));
+        if is_number && !(text == "1" && may_be_pure()) || clock::is_stamp(cell) {
             return false;
         }
-        let has_unit = |name: &String| {
-            let (short, unit) = split_header(name);
-            Signal::parse(short).is_some() || unit.is_some_and(|unit| Unit::parse(unit).is_some())
-        };
-        let is_word = text.starts_with(char::is_alphabetic) && !text.contains(char::is_whitespace);
-        any |= match Unit::parse(&text) {
-            Some(unit) => unit.symbol() != "1",
-            None => is_word && names.get(index).is_some_and(has_unit),
-        };
+        any |= !is_number && text != "-" && (Unit::parse(&text).is_some() || OTHERS.contains(&text.as_str()));
     }
     any
+}
+
+/// Whether the unit of a column with this name may be 1.
+fn may_be_pure(name: &str) -> bool {
+    let (short, unit) = split_header(name);
+    unit.is_none_or(|unit| is_same_unit(unit, "1")) && Signal::parse(short).is_none_or(Signal::is_dimensionless)
 }
 
 /// A unit with or without brackets around it; `None` for an empty cell.
@@ -210,7 +220,7 @@ mod tests {
             assert_eq!(recording.signal(Signal::PressureA).unwrap(), [70e5, 71e5]);
             assert_eq!(recording.column(Signal::Position).unwrap().header, "position [mm]");
         }
-        for units in ["s,mm", ",[mm]", ",(mm)", "s,"] {
+        for units in ["s,mm", "sec,[mm]", ",(mm)", "s,", "s,n/a"] {
             let both = read(&format!("time [s],position [mm]\n{units}\n0,1\n1,2\n")).unwrap();
             assert_eq!(both.signal(Signal::Position).unwrap(), [0.001, 0.002], "{units}");
         }
@@ -218,6 +228,14 @@ mod tests {
         let mapped = read_from("r.csv", &b"Weg;Zeit\nmm;s\n1,5;0\n2,5;1\n"[..], &map).unwrap();
         assert_eq!(mapped.signal(Signal::Position).unwrap(), [0.0015, 0.0025]);
         assert!(matches!(read("time,position\n0,1\n1,2\n"), Err(RecordingError::MissingUnit { .. })));
+        let unused = read("time,position,x\ns,mm,NaN\n0,1,2\n1,2,2\n").unwrap();
+        assert_eq!(unused.signal(Signal::Position).unwrap(), [0.001, 0.002]);
+        // Neither words nor a row of numbers is a row of units.
+        assert_eq!(read("time [s],spool,N\n1,1,N\n2,1,N\n").unwrap().time_s(), [1.0, 2.0]);
+        let words = read("time [s],position [mm]\nfloat,float\n0,1\n1,2\n").unwrap_err();
+        assert!(matches!(words, RecordingError::NotANumber { .. }), "{words}");
+        let beside = read("time [s],position [mm]\n,CH1\n0,1\n1,2\n").unwrap_err();
+        assert!(matches!(beside, RecordingError::NotANumber { .. }), "{beside}");
     }
 
     #[test]
@@ -257,6 +275,33 @@ mod tests {
             let told = if mark == ':' { "sep=:\n" } else { "" };
             let other = read(&format!("{told}{}", rows(mark).replace("x, y", "x"))).unwrap();
             assert_eq!(other.signal(Signal::Position).unwrap(), [0.001, 0.002], "{mark}");
+        }
+    }
+
+    #[test]
+    fn a_header_behind_a_mark_is_read_and_an_error_of_a_spreadsheet_is_a_cell() {
+        for header in ["# time [s],position [mm]", "#time [s],position [mm]", "# made by x\n# time [s],position [mm]"] {
+            let recording = read(&format!("{header}\n0,1\n0.5,2\n")).unwrap();
+            assert_eq!(recording.time_s(), [0.0, 0.5], "{header}");
+        }
+        let indexed = read("#,time [s],position [mm]\n0,0,1\n1,0.5,2\n").unwrap();
+        assert_eq!(indexed.time_s(), [0.0, 0.5]);
+        let missing = read("time [s],position [mm]\n0,1\n#N/A,2\n#NV,2\n0.3,4\n").unwrap();
+        assert_eq!((missing.rows(), missing.notes().len()), (2, 1), "{:?}", missing.notes());
+        let error = read("time [s],position [mm]\n0,1\n#DIV/0!,2\n0.3,4\n").unwrap_err().to_string();
+        assert!(error.starts_with("run.csv:3:1: column `time [s]` holds `#DIV/0!`"), "{error}");
+        let comment = read("time [s],position [mm]\n0,1\n# 2,3\n0.3,4\n").unwrap();
+        assert_eq!((comment.rows(), comment.notes().len()), (2, 0));
+    }
+
+    #[test]
+    fn what_ends_a_file_of_dos_or_a_loss_of_power_leaves_is_no_row() {
+        for end in ["\u{1a}", "\n\u{1a}", "\n\u{1a}\n", "\n\0\0\0\0", "\0\0"] {
+            assert_eq!(
+                read(&format!("time [s],position [mm]\n0,1\n0.5,2{end}")).unwrap().time_s(),
+                [0.0, 0.5],
+                "{end:?}"
+            );
         }
     }
 

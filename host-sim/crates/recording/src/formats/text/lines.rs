@@ -28,6 +28,17 @@ pub(crate) fn most_rows(columns: usize) -> usize {
 /// The source of a text. It is a single type, so that the readers are compiled once in this crate and not in each crate that uses them.
 pub(crate) type Input<'a> = Box<dyn Read + 'a>;
 
+/// What spreadsheets write in the place of a value, in English and in German: cells, and no comments.
+const SHEET_ERRORS: [&str; 13] = [
+    "#N/A", "#NV", "#DIV/0!", "#REF!", "#VALUE!", "#NAME?", "#NULL!", "#NUM!", "#CALC!", "#SPILL!", "#WERT!",
+    "#BEZUG!", "#ZAHL!",
+];
+
+/// Whether a line is a comment.
+pub(crate) fn is_comment(line: &[u8]) -> bool {
+    line.starts_with(b"#") && !SHEET_ERRORS.iter().any(|error| line.starts_with(error.as_bytes()))
+}
+
 /// The lines of a file that are neither blank nor comments (`#`).
 pub(crate) struct Lines<'a> {
     file: String,
@@ -41,6 +52,9 @@ pub(crate) struct Lines<'a> {
     is_put_back: bool,
     /// The first line that is Windows-1252 and not UTF-8.
     western: Option<usize>,
+    /// The last comment above the header, without its mark, and its number.
+    comment: (usize, Vec<u8>),
+    has_header: bool,
 }
 
 /// One line, and where it stands.
@@ -92,6 +106,8 @@ impl<'a> Lines<'a> {
             is_ended: true,
             is_put_back: false,
             western: None,
+            comment: (0, Vec::new()),
+            has_header: false,
         }
     }
 
@@ -108,7 +124,8 @@ impl<'a> Lines<'a> {
         self.western
     }
 
-    /// The header: the first line with content, and the splitter for this and all later lines. Above it, the line `sep=;` tells Excel the separator.
+    /// The header: the first line with content, and the splitter for this and all later lines. Above it, the line `sep=;` tells Excel the separator. Where
+    /// that line is one of numbers, the comment above it with as many cells is the header, as `NumPy` writes it.
     pub(crate) fn header(&mut self) -> Result<(TextLine<'_>, Splitter), RecordingError> {
         let place = self.file();
         let empty = || RecordingError::Empty { place: place.clone() };
@@ -116,8 +133,20 @@ impl<'a> Lines<'a> {
         if told.is_none() {
             self.put_back();
         }
-        let header = self.next()?.ok_or_else(empty)?;
-        Ok((header, Splitter::new(told.unwrap_or_else(|| detect_separator(header.text)))))
+        let first = self.next()?.ok_or_else(empty)?;
+        let separator = told.unwrap_or_else(|| detect_separator(first.text));
+        let has_numbers = has_numbers(first.text, separator);
+        let cells = first.text.split(char::from(separator)).count();
+        self.has_header = true;
+        let marked =
+            || str::from_utf8(&self.comment.1).ok().filter(|text| text.split(char::from(separator)).count() == cells);
+        if has_numbers && cells > 1 && marked().is_some() {
+            self.put_back();
+            let text = str::from_utf8(&self.comment.1).unwrap_or_default();
+            return Ok((TextLine::of(&self.file, self.comment.0, text), Splitter::new(separator)));
+        }
+        let header = self.line()?;
+        Ok((header, Splitter::new(separator)))
     }
 
     /// Lets [`Self::next`] return the line that it returned last once more.
@@ -130,6 +159,11 @@ impl<'a> Lines<'a> {
         if !std::mem::take(&mut self.is_put_back) && !self.advance()? {
             return Ok(None);
         }
+        self.line().map(Some)
+    }
+
+    /// The line that was read last.
+    fn line(&self) -> Result<TextLine<'_>, RecordingError> {
         let text = str::from_utf8(&self.bytes).map_err(|error| {
             let (good, rest) = self.bytes.split_at(error.valid_up_to());
             let good = String::from_utf8_lossy(good);
@@ -141,7 +175,7 @@ impl<'a> Lines<'a> {
             let place = line.place(at..at + character.len_utf8());
             return Err(RecordingError::ControlCharacter { place, character });
         }
-        Ok(Some(line))
+        Ok(line)
     }
 
     /// Reads the next line with content; `false` after the last one.
@@ -163,13 +197,22 @@ impl<'a> Lines<'a> {
             if self.number == 1 && self.bytes.starts_with("\u{feff}".as_bytes()) {
                 self.bytes.drain(..3);
             }
+            // What DOS ended a file with, and what a loss of power leaves at its end: without an end of the line, or a line of nothing else.
+            let is_end = |byte: &&u8| matches!(**byte, 0 | 0x1a | b'\r' | b'\n');
+            let ended = self.bytes.iter().rev().take_while(is_end).count();
+            if !self.is_ended || ended == self.bytes.len() {
+                self.bytes.truncate(self.bytes.len() - ended);
+            }
             let kept = self.bytes.trim_ascii_end().len();
             // Trailing separators count as cells, so trailing tabs are kept.
             let kept = kept + self.bytes[kept..].iter().take_while(|&&byte| byte == b'\t' || byte == b' ').count();
             self.bytes.truncate(kept);
             let start = self.bytes.trim_ascii_start();
-            if !start.is_empty() && !start.starts_with(b"#") {
+            if !start.is_empty() && !is_comment(start) {
                 break;
+            }
+            if !self.has_header && !start.is_empty() {
+                self.comment = (self.number, start[1..].trim_ascii_start().to_vec());
             }
             self.skipped += 1;
             if self.skipped > MAX_SKIPPED_LINES {
@@ -282,8 +325,24 @@ fn told_separator(line: &str) -> Option<u8> {
     }
 }
 
-/// The separator of a header row: the first tab, semicolon or comma outside quotes and brackets, or else a stroke `|`.
+/// Whether every cell of a line is a number, or empty.
+fn has_numbers(line: &str, separator: u8) -> bool {
+    let is_number = |cell: &str| cell.trim().replacen(',', ".", 1).parse::<f64>().is_ok();
+    let mut cells = line.split(char::from(separator)).filter(|cell| !cell.trim().is_empty()).peekable();
+    cells.peek().is_some() && cells.all(is_number)
+}
+
+/// The separator of a header row: the first tab, semicolon or comma outside quotes and brackets, or else a stroke `|`. More strokes than those, the first of
+/// them before any, separate names with commas; a name may have them, too, as `|v|`.
 fn detect_separator(header: &str) -> u8 {
+    let is_framed = header.starts_with('|') == header.ends_with('|');
+    let other = header.find(['\t', ';', ',']).unwrap_or(header.len());
+    if is_framed
+        && header.find('|').is_some_and(|stroke| stroke < other)
+        && header.matches('|').count() > header.matches(['\t', ';', ',']).count()
+    {
+        return b'|';
+    }
     let mut quoted = false;
     let mut depth = 0_u32;
     for byte in header.bytes() {
@@ -358,6 +417,8 @@ mod tests {
         assert_eq!(detect_separator("time [s]"), b',');
         assert_eq!(detect_separator("time [s]|a"), b'|');
         assert_eq!(detect_separator("time [s],|v|"), b',');
+        assert_eq!(detect_separator("|v| [m/s],time [s]"), b',');
+        assert_eq!(detect_separator("time [s]|Druck, links [bar]|position [mm]"), b'|');
     }
 
     #[test]
