@@ -200,7 +200,7 @@ impl<'a> Lines<'a> {
             // What DOS ended a file with, and what a loss of power leaves at its end: without an end of the line, or a line of nothing else.
             let is_end = |byte: &&u8| matches!(**byte, 0 | 0x1a | b'\r' | b'\n');
             let ended = self.bytes.iter().rev().take_while(is_end).count();
-            if !self.is_ended || ended == self.bytes.len() {
+            if self.has_header && (!self.is_ended || ended == self.bytes.len()) {
                 self.bytes.truncate(self.bytes.len() - ended);
             }
             let kept = self.bytes.trim_ascii_end().len();
