@@ -7,6 +7,7 @@ use crate::files::atomic;
 use crate::files::source_error::{Explained, Place, after_number, counted, engineering, quoted};
 use crate::formats::format::Format;
 use crate::formats::mark_fault::{MarkFault, MarkedCell};
+use crate::formats::text::decimal_mark::is_number;
 use crate::formats::text_fault::TextFault;
 use crate::formats::unsupported::Unsupported;
 use crate::signal::{Signal, split_header};
@@ -417,7 +418,7 @@ fn time_column(present: &[String]) -> String {
 
 /// Whether a header is a row of numbers.
 fn are_numbers(names: &[String]) -> bool {
-    names.iter().all(|name| name.replacen(',', ".", 1).parse::<f64>().is_ok())
+    names.iter().all(|name| is_number(name))
 }
 
 /// Names for a message; where there are many, only some of them.

@@ -93,11 +93,11 @@ pub enum UnitDoubt {
         /// The unit of time with which it would agree, and the share with it.
         fitting: Option<(Unit, f64)>,
     },
-    /// The constant load of the machine file is more than the cylinder can lift.
+    /// The constant load of the machine file is more than the cylinder can hold.
     Load {
         /// The load, N; positive extends.
         load_n: f64,
-        /// Supply pressure times the larger area, N.
+        /// Supply pressure times the area of the side that the load presses on, N.
         full_n: f64,
     },
 }

@@ -1,7 +1,7 @@
 //! What stands above the rows of a text: Excel's line `sep=;`, the header, a row of units.
 
 use super::clock;
-use super::decimal_mark::is_missing;
+use super::decimal_mark::{is_missing, is_number};
 use super::lines::{Cells, Lines, Splitter, TextLine};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
@@ -66,9 +66,7 @@ impl Heading {
             };
             if may_be_units && are_units(&self.names, cells) {
                 self.units_line = (below.number(), below.text.to_owned());
-                self.units = (0..self.names.len())
-                    .map(|index| Some(cells.get(index)).filter(|cell| !is_missing(cell)).and_then(unit_text))
-                    .collect();
+                self.units = (0..self.names.len()).map(|index| unit_text(cells.get(index))).collect();
                 continue;
             }
             self.stamped = (0..self.names.len()).map(|index| clock::is_stamp(cells.get(index))).collect();
@@ -175,10 +173,7 @@ fn are_units(names: &[String], cells: Cells<'_>) -> bool {
     let mut any = false;
     for (index, cell) in cells.iter().enumerate() {
         let Some(text) = unit_text(cell) else { continue };
-        if is_missing(cell) {
-            continue;
-        }
-        let is_number = text.replacen(',', ".", 1).parse::<f64>().is_ok();
+        let is_number = is_number(&text);
         let may_be_pure = || names.get(index).is_none_or(|name| may_be_pure(name));
         if is_number && !(text == "1" && may_be_pure()) || clock::is_stamp(cell) {
             return false;
@@ -194,8 +189,11 @@ fn may_be_pure(name: &str) -> bool {
     unit.is_none_or(|unit| is_same_unit(unit, "1")) && Signal::parse(short).is_none_or(Signal::is_dimensionless)
 }
 
-/// A unit with or without brackets around it; `None` for an empty cell.
+/// A unit with or without brackets around it; `None` for a cell without a value.
 fn unit_text(cell: &str) -> Option<String> {
+    if is_missing(cell) {
+        return None;
+    }
     let inner = [('[', ']'), ('(', ')'), ('<', '>')]
         .into_iter()
         .find_map(|(open, close)| cell.strip_prefix(open).and_then(|rest| rest.strip_suffix(close)));

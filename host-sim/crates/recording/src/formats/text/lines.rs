@@ -6,6 +6,7 @@
 use std::io::{BufRead, BufReader, Read};
 use std::ops::Range;
 
+use super::decimal_mark::is_number;
 use crate::error::RecordingError;
 use crate::files::source_error::Place;
 
@@ -52,8 +53,8 @@ pub(crate) struct Lines<'a> {
     is_put_back: bool,
     /// The first line that is Windows-1252 and not UTF-8.
     western: Option<usize>,
-    /// The last comment above the header, without its mark, and its number.
-    comment: (usize, Vec<u8>),
+    /// The number of the last comment above the header, and its text without the mark; none where it is not UTF-8.
+    comment: (usize, String),
     has_header: bool,
 }
 
@@ -106,7 +107,7 @@ impl<'a> Lines<'a> {
             is_ended: true,
             is_put_back: false,
             western: None,
-            comment: (0, Vec::new()),
+            comment: (0, String::new()),
             has_header: false,
         }
     }
@@ -135,17 +136,15 @@ impl<'a> Lines<'a> {
         }
         let first = self.next()?.ok_or_else(empty)?;
         let separator = told.unwrap_or_else(|| detect_separator(first.text));
-        let has_numbers = has_numbers(first.text, separator);
-        let cells = first.text.split(char::from(separator)).count();
+        let cells = |text: &str| text.split(char::from(separator)).count();
+        let (has_numbers, width) = (has_numbers(first.text, separator), cells(first.text));
         self.has_header = true;
-        let marked =
-            || str::from_utf8(&self.comment.1).ok().filter(|text| text.split(char::from(separator)).count() == cells);
-        if has_numbers && cells > 1 && marked().is_some() {
+        let header = if has_numbers && width > 1 && cells(&self.comment.1) == width {
             self.put_back();
-            let text = str::from_utf8(&self.comment.1).unwrap_or_default();
-            return Ok((TextLine::of(&self.file, self.comment.0, text), Splitter::new(separator)));
-        }
-        let header = self.line()?;
+            TextLine::of(&self.file, self.comment.0, &self.comment.1)
+        } else {
+            self.line()?
+        };
         Ok((header, Splitter::new(separator)))
     }
 
@@ -212,7 +211,8 @@ impl<'a> Lines<'a> {
                 break;
             }
             if !self.has_header && !start.is_empty() {
-                self.comment = (self.number, start[1..].trim_ascii_start().to_vec());
+                let text = str::from_utf8(start[1..].trim_ascii_start()).unwrap_or_default();
+                self.comment = (self.number, text.to_owned());
             }
             self.skipped += 1;
             if self.skipped > MAX_SKIPPED_LINES {
@@ -327,8 +327,7 @@ fn told_separator(line: &str) -> Option<u8> {
 
 /// Whether every cell of a line is a number, or empty.
 fn has_numbers(line: &str, separator: u8) -> bool {
-    let is_number = |cell: &str| cell.trim().replacen(',', ".", 1).parse::<f64>().is_ok();
-    let mut cells = line.split(char::from(separator)).filter(|cell| !cell.trim().is_empty()).peekable();
+    let mut cells = line.split(char::from(separator)).map(str::trim).filter(|cell| !cell.is_empty()).peekable();
     cells.peek().is_some() && cells.all(is_number)
 }
 
@@ -336,13 +335,7 @@ fn has_numbers(line: &str, separator: u8) -> bool {
 /// them before any, separate names with commas; a name may have them, too, as `|v|`.
 fn detect_separator(header: &str) -> u8 {
     let is_framed = header.starts_with('|') == header.ends_with('|');
-    let other = header.find(['\t', ';', ',']).unwrap_or(header.len());
-    if is_framed
-        && header.find('|').is_some_and(|stroke| stroke < other)
-        && header.matches('|').count() > header.matches(['\t', ';', ',']).count()
-    {
-        return b'|';
-    }
+    let are_more = is_framed && header.matches('|').count() > header.matches(['\t', ';', ',']).count();
     let mut quoted = false;
     let mut depth = 0_u32;
     for byte in header.bytes() {
@@ -351,6 +344,7 @@ fn detect_separator(header: &str) -> u8 {
             b'[' if !quoted => depth += 1,
             b']' if !quoted => depth = depth.saturating_sub(1),
             b'\t' | b';' | b',' if !quoted && depth == 0 => return byte,
+            b'|' if are_more && !quoted && depth == 0 => return byte,
             _ => {}
         }
     }
