@@ -4,10 +4,9 @@ use std::path::Path;
 use std::{fmt, io};
 
 use crate::files::atomic;
-use crate::files::source_error::{Explained, Place, after_number, counted, engineering, quoted};
+use crate::files::source_error::{Explained, Place, after_number, counted, engineering, is_number, quoted};
 use crate::formats::format::Format;
 use crate::formats::mark_fault::{MarkFault, MarkedCell};
-use crate::formats::text::decimal_mark::is_number;
 use crate::formats::text_fault::TextFault;
 use crate::formats::unsupported::Unsupported;
 use crate::signal::{Signal, split_header};

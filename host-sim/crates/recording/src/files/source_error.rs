@@ -152,6 +152,11 @@ pub fn render(error: &impl Explained) -> String {
     }
 }
 
+/// Whether a text is a number, with a point or a comma.
+pub(crate) fn is_number(text: &str) -> bool {
+    text.replacen(',', ".", 1).parse::<f64>().is_ok()
+}
+
 /// A piece of a file for use in a message: short, and with control characters escaped.
 pub fn quoted(text: &str) -> String {
     const LONGEST: usize = 60;

@@ -138,11 +138,6 @@ fn is_grouped(text: &str) -> bool {
         && parts[..groups].iter().all(|part| part.len() == 3)
 }
 
-/// Whether a text is a number, with a point or a comma.
-pub(crate) fn is_number(text: &str) -> bool {
-    text.replacen(',', ".", 1).parse::<f64>().is_ok()
-}
-
 /// Whether a cell says that it has no value: empty, or NaN, null and their like as programs write them.
 pub(crate) fn is_missing(text: &str) -> bool {
     const WORDS: [&str; 10] = ["nan", "null", "na", "n/a", "<na>", "none", "nil", "#n/a", "#nv", "missing"];

@@ -1,11 +1,11 @@
 //! What stands above the rows of a text: Excel's line `sep=;`, the header, a row of units.
 
 use super::clock;
-use super::decimal_mark::{is_missing, is_number};
+use super::decimal_mark::is_missing;
 use super::lines::{Cells, Lines, Splitter, TextLine};
 use crate::channel_map::ChannelMap;
 use crate::error::RecordingError;
-use crate::files::source_error::Place;
+use crate::files::source_error::{Place, is_number};
 use crate::formats::text_fault::TextFault;
 use crate::header::{Offer, is_same_unit, leave_unused};
 use crate::signal::{Signal, split_header};

@@ -6,9 +6,8 @@
 use std::io::{BufRead, BufReader, Read};
 use std::ops::Range;
 
-use super::decimal_mark::is_number;
 use crate::error::RecordingError;
-use crate::files::source_error::Place;
+use crate::files::source_error::{Place, is_number};
 
 /// Longest line, in bytes.
 pub const MAX_LINE_BYTES: usize = 1 << 20;
