@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::root;
 
 /// The libraries, lowest first, with the workspace crates that each may depend on. A library must not use a crate that is not listed for it.
-const ALLOWED: [(&str, &[&str]); 21] = [
+const ALLOWED: [(&str, &[&str]); 22] = [
     ("model-core", &[]),
     ("firmware", &["model-core"]),
     ("drive-c", &["model-core"]),
@@ -25,9 +25,22 @@ const ALLOWED: [(&str, &[&str]); 21] = [
     ("model-export", &["model-core", "recording", "machine-file", "simulation"]),
     ("drive-fmu", &["model-core", "recording", "machine-file", "simulation", "model-export"]),
     ("identification", &["model-core", "recording", "machine-file", "simulation"]),
+    ("watch", &["model-core", "firmware", "recording", "machine-file", "simulation", "identification"]),
     ("diagnosis", &["model-core", "recording", "machine-file", "simulation", "identification"]),
     ("experiment", &["model-core", "recording", "machine-file", "simulation", "identification", "diagnosis"]),
-    ("report", &["model-core", "recording", "machine-file", "simulation", "identification", "diagnosis", "experiment"]),
+    (
+        "report",
+        &[
+            "model-core",
+            "recording",
+            "machine-file",
+            "simulation",
+            "identification",
+            "watch",
+            "diagnosis",
+            "experiment",
+        ],
+    ),
     (
         "host-sim-python",
         &[

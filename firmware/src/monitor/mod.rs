@@ -67,7 +67,8 @@ impl MonitoredSignal {
     }
 }
 
-const SIGNALS: usize = 4;
+/// How many signals are monitored.
+pub const SIGNALS: usize = 4;
 
 /// Measured − predicted, per unit; `None` where there is no such sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +78,12 @@ pub struct Innovation {
 }
 
 impl Innovation {
+    /// Measured − predicted of each signal, per unit, in the order of [`MonitoredSignal::ALL`]; `None` where there is no reading.
+    #[must_use]
+    pub const fn new(values: [Option<PerUnit>; SIGNALS]) -> Self {
+        Self { values }
+    }
+
     /// From what the model predicted and the sensors show for the same instant.
     #[must_use]
     pub fn of(predicted: &Predicted, seen: &Observed) -> Self {
@@ -123,6 +130,12 @@ pub struct MonitorState {
 impl MonitorState {
     /// Nothing has been seen, and no alarm has been given.
     pub const AT_REST: Self = Self { quarters: [PerUnit::from_bits(1 << 26); SIGNALS], alarmed: false };
+
+    /// The ratio of each innovation's mean square to the expected one, in the order of [`MonitoredSignal::ALL`].
+    #[must_use]
+    pub fn squares(&self) -> [f64; SIGNALS] {
+        self.quarters.map(|quarter| 4.0 * quarter.to_f64())
+    }
 }
 
 /// A signal beyond its limit.
@@ -158,6 +171,14 @@ impl Monitor {
     /// # Errors
     /// A spread or a time is out of its range, or no limit makes false alarms as rare as required.
     pub fn new(sensitivity: &Sensitivity, bases: &Bases) -> Result<Self, MonitorError> {
+        Self::with_period(sensitivity, bases, bases.tick_s)
+    }
+
+    /// The same of innovations that come every `period_s` seconds: those of a recording's rows.
+    ///
+    /// # Errors
+    /// As those of [`Monitor::new`].
+    pub fn with_period(sensitivity: &Sensitivity, bases: &Bases, period_s: f64) -> Result<Self, MonitorError> {
         let Sensitivity { spool, pressure, position, memory_s, between_false_alarms_s } = *sensitivity;
         let time = |name, found_s: f64, least_s: f64, most_s: f64| {
             // NaN is in no range.
@@ -167,17 +188,17 @@ impl Monitor {
                 Err(MonitorError::Time { name, found_s, least_s, most_s })
             }
         };
-        time("memory", memory_s, 2.0 * bases.tick_s, 1e3)?;
+        time("memory", memory_s, 2.0 * period_s, 1e3)?;
         time("time between false alarms", between_false_alarms_s, memory_s, 1e10)?;
-        let share = bases.tick_s / memory_s;
-        let chance = bases.tick_s / between_false_alarms_s / SIGNALS as f64;
+        let share = period_s / memory_s;
+        let chance = period_s / between_false_alarms_s / SIGNALS as f64;
         let watch = |signal: MonitoredSignal, spread: Spread, base: f64| {
             time("correlation", spread.correlation_s, 0.0, memory_s)?;
             let sigma = spread.sigma / base;
             // NaN fails this comparison.
             let half_inverse = if sigma > 0.0 && sigma < 1.0 { PerUnit::steep(0.5 / sigma) } else { None };
             let refused = MonitorError::Sigma { signal, sigma: spread.sigma, least: base / 131_072.0 };
-            let limit = limit(effective(share, spread.correlation_s / bases.tick_s), chance);
+            let limit = limit(effective(share, spread.correlation_s / period_s), chance);
             if limit < MOST {
                 Ok(Watch { half_inverse: half_inverse.ok_or(refused)?, limit: PerUnit::saturated(0.25 * limit) })
             } else {
@@ -193,6 +214,12 @@ impl Monitor {
                 watch(MonitoredSignal::Position, position, bases.stroke_m)?,
             ],
         })
+    }
+
+    /// The ratios above which an alarm is given, in the order of [`MonitoredSignal::ALL`].
+    #[must_use]
+    pub fn limits(&self) -> [f64; SIGNALS] {
+        self.watches.map(|watch| 4.0 * watch.limit.to_f64())
     }
 
     /// Nothing has been seen, and no alarm has been given.

@@ -19,6 +19,7 @@ use recording::excitation::text::ExcitationError;
 use recording::files::atomic;
 use recording::{MapError, RecordingError};
 use simulation::SimulateError;
+use watch::WatchError;
 
 use crate::frames::ImportError;
 use crate::played::PlayedError;
@@ -72,6 +73,14 @@ pub enum CliError {
         machine: PathBuf,
         /// Why.
         cause: CompareError,
+    },
+    /// The machine and the recordings cannot be watched.
+    #[error("{machine}: {cause}{}", if matches!(**cause, WatchError::NoBand) { "; expected one, or --healthy with recordings of the healthy drive" } else { "" })]
+    Watch {
+        /// The machine file.
+        machine: PathBuf,
+        /// Why.
+        cause: Box<WatchError>,
     },
     /// The drive does not fit the controller.
     #[error("{machine}: {cause}")]

@@ -33,6 +33,7 @@ pub mod studio;
 mod target;
 #[cfg(feature = "virtual-plant")]
 pub mod testbed;
+pub mod watch;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -89,6 +90,8 @@ pub enum Command {
     Compare(compare::Arguments),
     /// Refit a drive's base parameters to recordings.
     Fit(fit::Arguments),
+    /// Say in milliseconds whether a drive still follows its model as it did while it was healthy.
+    Watch(watch::Arguments),
     /// Find what a model lacks: where, which physics, and how much better it fits with it.
     Diagnose(diagnose::Arguments),
     /// Read a valve's static characteristic off a sweep, a table of means or runs, without a clock.
@@ -128,6 +131,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Simulate(arguments) => simulate::run(arguments, console),
         Command::Compare(arguments) => compare::run(arguments, console),
         Command::Fit(arguments) => fit::run(arguments, console),
+        Command::Watch(arguments) => watch::run(arguments, console),
         Command::Diagnose(arguments) => diagnose::run(arguments, console),
         Command::Statics(arguments) => statics::run(arguments, console),
         Command::Plan(arguments) => plan::run(arguments, console),

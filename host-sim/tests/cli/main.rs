@@ -38,6 +38,7 @@ mod targets;
 mod terminal;
 mod testbed;
 mod troubles;
+mod watch;
 
 use tempfile::TempDir;
 

@@ -84,6 +84,9 @@ fn the_document_of_every_command_holds_to_its_published_schema() {
     check(&[&["testbed", "--train", "steps:6V", "--holdout", "sweep:5V", "--out", "case"][..], &drive].concat());
     check(&["testbed", "draw", "--count", "2", "--out", "cases"]);
     check(&["paper"]);
+    let healthy = ["1", "2", "3"].map(|k| example(&format!("train-{k}.csv")));
+    let healthy: Vec<&str> = healthy.iter().map(String::as_str).collect();
+    check(&[&["watch", &holdout, "--healthy"][..], &healthy, &drive].concat());
     sweep(here, "a.csv");
     sweep(here, "b.csv");
     let columns = ["--input", "I", "--output", "Q"];

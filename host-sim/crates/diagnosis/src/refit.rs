@@ -103,6 +103,8 @@ impl Refitting {
         let from = From { solution: Some(&near), ..From::default() };
         let fitted = fit_with_progress(&file.machine, &free, &cases, &from, PRECISION, &|case| told(case.rows()))?;
         file.machine = fitted.machine;
+        // The band was that of other values.
+        file.band = None;
         file.start_at(level_at_rest(&fitted.machine, &cases, &fitted.starts));
         file.given.extend(fitted.free.iter().map(|free| free.parameter));
         let with_starts = || cases.iter().copied().zip(fitted.starts.iter().copied());

@@ -258,6 +258,8 @@ impl Diagnosis {
     pub fn machine_file(&self, before: &MachineFile) -> MachineFile {
         let mut after = before.clone();
         after.machine = self.machine_after;
+        // The band was that of other values.
+        after.band = None;
         after.start_at(self.level_at_rest);
         let of_effects =
             || self.findings.iter().flat_map(|finding| &finding.parameters).map(|estimate| estimate.parameter);

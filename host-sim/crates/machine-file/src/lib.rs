@@ -1,7 +1,7 @@
 //! Machine files: the parameters of one drive in TOML, SI units, the unit in the key.
 //!
 //! Keys, ranges and defaults are those of [`Parameter`]. In addition there are `name`, `load.source`, a table in `[linkage]`,
-//! `[channels]`, `[fit.sigma]` and `[fit.tolerance]`. Anything else is an error, and every error names file, line, key
+//! `[channels]`, `[watch]`, `[fit.sigma]` and `[fit.tolerance]`. Anything else is an error, and every error names file, line, key
 //! and what was expected there.
 //!
 //! Start at [`read`], which makes a [`MachineFile`] of a file; [`data_sheet`] makes one from data-sheet values. Nothing here simulates: a machine
@@ -12,6 +12,7 @@
 // No mathematics of the platform: its last bit differs from one to the next (clippy.toml).
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+mod band;
 mod carried;
 mod channels;
 pub mod data_sheet;
@@ -27,6 +28,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use model_core::machine::{Machine, Parameter};
 use recording::ChannelMap;
 
+pub use band::{Band, Spread};
 pub use carried::carried;
 pub use error::MachineFileError;
 pub use reader::{MAX_FILE_BYTES, read, read_text};
@@ -87,6 +89,8 @@ pub struct MachineFile {
     pub channels: ChannelMap,
     /// `load.source`.
     pub load_source: LoadSource,
+    /// `[watch]`: how far its sensors are from its model while the drive is healthy, where that is known.
+    pub band: Option<Band>,
     /// The text that was read; empty for a drive made in the program.
     text: String,
 }
@@ -114,6 +118,7 @@ impl MachineFile {
             tolerance: BTreeMap::new(),
             channels: ChannelMap::default(),
             load_source: LoadSource::default(),
+            band: None,
             text: String::new(),
         }
     }

@@ -12,6 +12,7 @@ use model_core::machine::{Fallback, LOWEST_FLOOR_PA, Machine, Parameter, Source}
 use recording::ChannelMap;
 use recording::files::source_error::Place;
 
+use crate::band::WATCH;
 use crate::error::MachineFileError;
 use crate::keys::{self, EFFECTS};
 use crate::linkage::{self, LINKAGE};
@@ -23,7 +24,7 @@ pub const MAX_FILE_BYTES: u64 = 1 << 20;
 pub(crate) const NUMBER: &str = "a number";
 /// Tables below `[fit]`.
 const FIT: [&str; 2] = ["sigma", "tolerance"];
-const TABLE: &str = "a table";
+pub(crate) const TABLE: &str = "a table";
 const TEXT: &str = "a text in quotation marks";
 
 /// Reads a machine file.
@@ -121,6 +122,7 @@ impl<'a> Reader<'a> {
             tolerance: BTreeMap::new(),
             channels: ChannelMap::default(),
             load_source: LoadSource::default(),
+            band: None,
             text: text.to_owned(),
         };
         Self { file, text, result, linkage: linkage::Given::default() }
@@ -154,6 +156,7 @@ impl<'a> Reader<'a> {
                 "channels" => self.channels(self.table(item, key)?)?,
                 "effects" => self.effects(self.table(item, key)?)?,
                 "fit" => self.fit(self.table(item, key)?)?,
+                WATCH => self.result.band = Some(self.band(self.table(item, key)?)?),
                 _ if keys::keys(key).is_empty() => return Err(self.unknown_at_top(root, key, item)),
                 _ => self.parameters(key, self.table(item, key)?)?,
             }
@@ -164,7 +167,7 @@ impl<'a> Reader<'a> {
     fn unknown_at_top(&self, root: &dyn TableLike, key: &str, item: &Item) -> MachineFileError {
         let place = self.key_place(root, key);
         let tables = keys::tables().into_iter().filter(|table| !table.contains('.'));
-        let known: Box<[String]> = tables.chain(["channels", "effects", "fit"]).map(str::to_owned).collect();
+        let known: Box<[String]> = tables.chain(["channels", "effects", "fit", WATCH]).map(str::to_owned).collect();
         let name = key.to_owned();
         if item.is_table_like() || item.is_array_of_tables() {
             return MachineFileError::UnknownTable { place, table: name, nearest: keys::nearest(key, &*known), known };

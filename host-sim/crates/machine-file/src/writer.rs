@@ -11,6 +11,7 @@ use recording::files::source_error::Place;
 use recording::linkage::Rises;
 use recording::{PressureZero, Scale, Signal};
 
+use crate::band::put_band;
 use crate::channels::{FULL_FLOW, PRESSURE, UNUSED};
 use crate::error::MachineFileError;
 use crate::keys::{self, EFFECTS};
@@ -56,6 +57,7 @@ impl MachineFile {
         self.put_channels(&mut document, before.as_ref());
         self.put_linkage(&mut document, before.as_ref());
         self.put_fit(&mut document, before.as_ref());
+        put_band(&mut document, self.band.as_ref(), before.as_ref().and_then(|before| before.band.as_ref()));
         let text = document.to_string();
         read_text(file, &text)?;
         Ok(text)
@@ -198,12 +200,12 @@ fn put_by_parameter(
 }
 
 /// A number whose text reads back to the same bits.
-fn number(value: f64) -> Value {
+pub(crate) fn number(value: f64) -> Value {
     format!("{value:?}").parse().unwrap_or_else(|_| Value::from(value))
 }
 
 /// Sets a key; a comment after the old value is kept.
-fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
+pub(crate) fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
     match table.get_mut(key).and_then(Item::as_value_mut) {
         Some(old) => {
             *value.decor_mut() = old.decor().clone();
@@ -216,7 +218,7 @@ fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
 }
 
 /// A table below another; it is created if it is missing.
-fn table<'t>(parent: &'t mut dyn TableLike, name: &str) -> &'t mut dyn TableLike {
+pub(crate) fn table<'t>(parent: &'t mut dyn TableLike, name: &str) -> &'t mut dyn TableLike {
     let item = parent.entry(name).or_insert_with(|| Item::Table(Table::new()));
     if !item.is_table_like() {
         *item = Item::Table(Table::new());

@@ -12,6 +12,7 @@ use recording::files::atomic;
 use recording::files::source_error::{self, Explained};
 use recording::{MapError, RecordingError};
 use simulation::SimulateError;
+use watch::WatchError;
 
 use super::CliError;
 use crate::cli::command_line::{CommandLine, Mistyped, Part, split};
@@ -98,6 +99,10 @@ impl CliError {
     fn comparison(&self) -> Option<&CompareError> {
         match self {
             CliError::Compare { cause, .. } => Some(cause),
+            CliError::Watch { cause, .. } => match cause.as_ref() {
+                WatchError::Compare(cause) => Some(cause),
+                _ => None,
+            },
             CliError::Diagnose { cause, .. } => match &**cause {
                 DiagnoseError::Recording(cause) => Some(cause),
                 _ => None,

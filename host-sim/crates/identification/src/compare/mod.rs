@@ -219,7 +219,7 @@ fn kept(series: &[f64], is_judged: &[bool]) -> Vec<f64> {
 
 /// A simulation, and how many of its first rows are not judged. Where a state at the start is not known, the rod may be off for ever by what it
 /// travelled meanwhile: it starts from where it is right afterwards.
-fn simulated_from(
+pub fn simulated_from(
     stimulus: &Stimulus,
     recording: &Recording,
     machine: &Machine<f64>,

@@ -5,7 +5,9 @@ pub mod diagnosis;
 mod evidence;
 mod refit;
 mod structure;
+mod watch;
 
 pub use comparison::{comparison, comparisons};
 pub use diagnosis::document;
 pub use refit::refit;
+pub use watch::watch;
