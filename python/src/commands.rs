@@ -119,7 +119,7 @@ pub(crate) fn compare(
         let mut notes = notes(&all, &file.machine);
         notes.extend(doubts.iter().filter(|doubt| doubt.is_certain).map(wording::mend_first));
         let document = json::comparison(file, &found).to_string();
-        let of = Of::Comparison { file: file.clone(), recordings, found, doubts };
+        let of = Of::Comparison { file: Box::new(file.clone()), recordings, found, doubts };
         let page = Page { of, machine_file: Some(machine.path.clone()) };
         Ok((document, notes, drawings, tables, page))
     })
@@ -164,7 +164,7 @@ pub(crate) fn fit(
         let refit = refitting.search(&|_| stop::here()).map_err(failed)?;
         let table = terminal::parameters(&refit.estimates).to_string();
         let (document, after) = (json::refit(&refit).to_string(), machine.with(refit.file.clone()));
-        let page = Page { of: Of::Fit(refit, recordings, doubts), machine_file: Some(machine.path.clone()) };
+        let page = Page { of: Of::Fit(Box::new(refit), recordings, doubts), machine_file: Some(machine.path.clone()) };
         Ok((document, after, notes, table, page))
     })
 }

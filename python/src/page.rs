@@ -19,9 +19,9 @@ pub(crate) enum Of {
     /// Recordings with their files, and what was found in them; the drive's name where there is one.
     Inspection(Option<String>, Vec<(Arc<Held>, Option<PathBuf>)>, Vec<Inspection>),
     /// A machine file on recordings, and what is doubtful about them.
-    Comparison { file: MachineFile, recordings: Vec<Held>, found: Vec<Comparison>, doubts: Vec<Doubt> },
+    Comparison { file: Box<MachineFile>, recordings: Vec<Held>, found: Vec<Comparison>, doubts: Vec<Doubt> },
     /// A refit, its recordings in its order, and what is doubtful about them.
-    Fit(Refit, Vec<Held>, Vec<Doubt>),
+    Fit(Box<Refit>, Vec<Held>, Vec<Doubt>),
     /// A diagnosis with its evidence.
     Diagnosis(Arc<(Diagnosis, Exhibits)>),
 }

@@ -243,7 +243,7 @@ fn diagnose_then(
 }
 
 /// A limit in seconds.
-fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let found = text.parse::<f64>().ok().filter(|seconds| seconds.is_finite() && *seconds > 0.0);
     found.ok_or_else(|| format!("`{text}` is no limit of time; expected seconds above 0, such as 300"))
 }

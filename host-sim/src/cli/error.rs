@@ -74,6 +74,10 @@ pub enum CliError {
         /// Why.
         cause: CompareError,
     },
+    /// The nights of many drives, or the table of them.
+    #[cfg(feature = "fleet")]
+    #[error(transparent)]
+    Fleet(#[from] fleet::FleetError),
     /// The machine and the recordings cannot be watched.
     #[error("{machine}: {cause}{}", if matches!(**cause, WatchError::NoBand) { "; expected one, or --healthy with recordings of the healthy drive" } else { "" })]
     Watch {

@@ -16,6 +16,8 @@ mod ending;
 mod error;
 pub mod export;
 pub mod fit;
+#[cfg(feature = "fleet")]
+pub mod fleet;
 pub mod import;
 pub mod init;
 mod input;
@@ -92,6 +94,9 @@ pub enum Command {
     Fit(fit::Arguments),
     /// Say in milliseconds whether a drive still follows its model as it did while it was healthy.
     Watch(watch::Arguments),
+    /// Judge the recordings of many drives, night by night, into a table: which has changed, in what, how much.
+    #[cfg(feature = "fleet")]
+    Fleet(fleet::Arguments),
     /// Find what a model lacks: where, which physics, and how much better it fits with it.
     Diagnose(diagnose::Arguments),
     /// Read a valve's static characteristic off a sweep, a table of means or runs, without a clock.
@@ -132,6 +137,8 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Compare(arguments) => compare::run(arguments, console),
         Command::Fit(arguments) => fit::run(arguments, console),
         Command::Watch(arguments) => watch::run(arguments, console),
+        #[cfg(feature = "fleet")]
+        Command::Fleet(arguments) => fleet::run(arguments, console),
         Command::Diagnose(arguments) => diagnose::run(arguments, console),
         Command::Statics(arguments) => statics::run(arguments, console),
         Command::Plan(arguments) => plan::run(arguments, console),

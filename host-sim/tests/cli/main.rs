@@ -13,6 +13,7 @@ mod compare;
 mod export;
 #[cfg(unix)]
 mod first_minutes;
+mod fleet;
 mod import;
 mod init;
 mod inspect;

@@ -86,7 +86,11 @@ fn the_document_of_every_command_holds_to_its_published_schema() {
     check(&["paper"]);
     let healthy = ["1", "2", "3"].map(|k| example(&format!("train-{k}.csv")));
     let healthy: Vec<&str> = healthy.iter().map(String::as_str).collect();
-    check(&[&["watch", &holdout, "--healthy"][..], &healthy, &drive].concat());
+    std::fs::create_dir_all(here.join("hall/press/n")).unwrap();
+    std::fs::copy(&holdout, here.join("hall/press/n/1.csv")).unwrap();
+    let saved = ["--save-machine", "hall/press/machine.toml"];
+    check(&[&["watch", &holdout, "--healthy"][..], &healthy, &drive, &saved].concat());
+    check(&["fleet", "hall", "--upto", "watch", "--out", "rows"]);
     sweep(here, "a.csv");
     sweep(here, "b.csv");
     let columns = ["--input", "I", "--output", "Q"];

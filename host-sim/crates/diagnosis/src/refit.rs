@@ -15,6 +15,7 @@ use crate::base_parameters::base_parameters;
 use crate::before_after::{Shown, show_refit};
 use crate::diagnose::DiagnoseError;
 use crate::localisation::{Miss, misses};
+use crate::since::{Moves, held, strengths};
 
 /// The search ends at this relative precision of the loss.
 const PRECISION: f64 = 1e-8;
@@ -40,6 +41,8 @@ pub struct Refit {
     pub estimates: Vec<Estimate>,
     /// What the fit used of tolerances.
     pub tolerated: Vec<Tolerated>,
+    /// Amounts of effects that these recordings tell, with their standard deviations: what they do not tell is not among them.
+    pub strengths: Vec<Estimate>,
     /// Values far from their nominal ones.
     pub far_values: Vec<FarValue>,
     /// Pairs of fitted values of which only a combination is well determined.
@@ -57,12 +60,30 @@ pub struct Refit {
 impl Refitting {
     /// Prepares the recordings and searches coarsely, from the machine file's values.
     pub fn of(file: &MachineFile, recordings: &[Recording], tick: Option<Tick>) -> Result<Self, DiagnoseError> {
+        Self::with(file, recordings, tick, |sheet, _| sheet)
+    }
+
+    /// The same of a drive that was fitted before: what is of the oil and of the day may move, the rest as far as it is known since then, and the effects
+    /// that the file holds may have become more or less, as [`crate::diagnose_since`] has it.
+    pub fn since(file: &MachineFile, recordings: &[Recording], tick: Option<Tick>) -> Result<Self, DiagnoseError> {
+        Self::with(file, recordings, tick, |sheet, prepared| {
+            let on = held(file, &sheet);
+            Moves::of(file, &sheet, Some(&on), prepared).free
+        })
+    }
+
+    fn with(
+        file: &MachineFile,
+        recordings: &[Recording],
+        tick: Option<Tick>,
+        free: impl FnOnce(Vec<Free>, &[Prepared]) -> Vec<Free>,
+    ) -> Result<Self, DiagnoseError> {
         let mut prepared: Vec<Prepared> = Vec::new();
         for recording in recordings {
             prepared.push(Prepared::new(recording, &file.machine, file.load_source, tick)?);
         }
         share_range_ends(&mut prepared.iter_mut().collect::<Vec<_>>());
-        let free = base_parameters(file);
+        let free = free(base_parameters(file), &prepared);
         let near = near(&file.machine, &free, &mut prepared)?;
         Ok(Self { file: file.clone(), prepared, held_out: Vec::new(), free, near })
     }
@@ -120,6 +141,7 @@ impl Refitting {
         Ok(Refit {
             estimates: not_tolerated(&free, &estimates),
             tolerated: within,
+            strengths: strengths(&free, &estimates),
             far_values,
             correlations: fitted.correlations(inflation),
             left,

@@ -181,17 +181,29 @@ fn once_fitted(free: Free, file: &MachineFile) -> Free {
 /// Times its standard deviation by the recordings that a change has to exceed to show. Source: once in 400 by chance.
 const SHOWS_FROM: f64 = 3.0;
 
-/// Whether the recordings would show a change by half of an amount. What they say by themselves is what is left of its estimate's precision without that of
-/// its prior.
+/// Whether the recordings would show a change by half of an amount.
 fn shows(free: &Free, estimate: &Estimate) -> bool {
     let Freedom::Near { nominal, most, .. } = free.freedom else { return true };
     // What has moved, the recordings have moved.
-    if (estimate.value - nominal).abs() > 0.5 * most {
-        return true;
-    }
+    (estimate.value - nominal).abs() > 0.5 * most || SHOWS_FROM * alone(free, estimate, nominal) < 0.5 * nominal.abs()
+}
+
+/// The standard deviation that recordings tell by themselves, at a value: what is left of the estimate's precision without that of its prior.
+fn alone(free: &Free, estimate: &Estimate, at: f64) -> f64 {
     let deviation = estimate.std / free.width(estimate.value);
-    let alone = deviation / (1.0 - deviation * deviation).max(0.0).sqrt();
-    SHOWS_FROM * alone * free.width(nominal) < 0.5 * nominal.abs()
+    deviation / (1.0 - deviation * deviation).max(0.0).sqrt() * free.width(at)
+}
+
+/// Of fitted values, the amounts of effects that the recordings tell: by a third of themselves, or of what may be within the drawing.
+pub(crate) fn strengths(free: &[Free], estimates: &[Estimate]) -> Vec<Estimate> {
+    let is_told = |estimate: &&Estimate| {
+        let free = free.iter().find(|free| free.parameter == estimate.parameter);
+        free.filter(|_| estimate.parameter.effect().is_some()).is_some_and(|free| {
+            let scale = estimate.value.abs().max(0.5 * free.tolerance().unwrap_or(0.0));
+            SHOWS_FROM * alone(free, estimate, estimate.value) < scale
+        })
+    };
+    estimates.iter().filter(is_told).copied().collect()
 }
 
 /// Oil of another temperature than then, where both are known.

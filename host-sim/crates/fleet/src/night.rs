@@ -1,0 +1,195 @@
+//! One night of one drive, judged.
+
+use std::time::Instant;
+
+use diagnosis::localisation::Miss;
+use diagnosis::{Diagnosis, Options, Refitting, Verdict, diagnose_with};
+use identification::fit::Estimate;
+use machine_file::MachineFile;
+use recording::Recording;
+use recording::files::source_error::Explained;
+use report::{terminal, wording};
+use simulation::figures_of_merit::SignalFit;
+use watch::{WatchError, Watched};
+
+use crate::dataset::Night;
+use crate::row::{Judgement, MISFITS, Row, Strength};
+
+/// How far a night is looked into.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Upto {
+    /// Only whether the drive is in its band: milliseconds a recording.
+    Watch,
+    /// And how much there is of every effect: tenths of a second.
+    Refit,
+    /// And of a drive that left its band what has changed: seconds to minutes.
+    #[default]
+    Diagnose,
+}
+
+/// How nights are judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct How {
+    /// How far.
+    pub upto: Upto,
+    /// Share of a healthy drive's recordings that may leave the band by chance.
+    pub false_alarms: f64,
+    /// What the search of a diagnosis may take, s on two usual cores.
+    pub limit_s: f64,
+}
+
+impl Default for How {
+    fn default() -> Self {
+        Self { upto: Upto::default(), false_alarms: watch::FALSE_ALARMS, limit_s: Options::USUAL_LIMIT_S }
+    }
+}
+
+/// The rows of a night: first that of the drive, then one for each recording that cannot be used. Whatever is wrong is a row with the reason.
+#[must_use]
+pub fn judge(night: &Night, how: &How) -> Vec<Row> {
+    let began = Instant::now();
+    let mut unusable = Vec::new();
+    let mut row = match judged(night, how, &mut unusable) {
+        Ok(row) => row,
+        Err(reason) => Row { words: reason, ..empty(night, Judgement::Unusable) },
+    };
+    row.seconds = began.elapsed().as_secs_f64();
+    let of_recording =
+        |(recording, reason)| Row { recording: Some(recording), words: reason, ..empty(night, Judgement::Unusable) };
+    std::iter::once(row).chain(unusable.into_iter().map(of_recording)).collect()
+}
+
+/// A row in which nothing is known yet.
+fn empty(night: &Night, judgement: Judgement) -> Row {
+    Row {
+        drive: night.drive.clone(),
+        night: night.name.clone(),
+        recording: None,
+        judgement,
+        link: None,
+        words: String::new(),
+        recordings: 0,
+        of_limit: None,
+        misfits: [None; 4],
+        strengths: Vec::new(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        seconds: 0.0,
+    }
+}
+
+/// A recording's name with the reason why it cannot be used.
+type Unusable = (String, String);
+
+fn judged(night: &Night, how: &How, unusable: &mut Vec<Unusable>) -> Result<Row, String> {
+    if let Some(twin) = &night.twin {
+        return Err(format!("two folders have this name: {} is the other; expected one", twin.display()));
+    }
+    let file = machine_file::read(&night.machine).map_err(|error| error.to_string())?;
+    if file.band.is_none() {
+        let path = night.machine.display();
+        return Err(format!("{path}: {}; expected one, which `host-sim watch --healthy` writes", WatchError::NoBand));
+    }
+    let (recordings, watched) = watched(night, &file, how, unusable);
+    if recordings.is_empty() {
+        let none = if night.recordings.is_empty() { "no recording" } else { "no recording that can be used" };
+        return Err(format!("{none}: nothing is known of this night"));
+    }
+    let left = watched.iter().find_map(|one| one.left);
+    let nearest = watched.iter().flat_map(|one| &one.signals).map(wording::share).fold(0.0, f64::max);
+    let row = Row {
+        link: left.map(|left| left.link),
+        words: wording::watched(&watched),
+        recordings: recordings.len(),
+        of_limit: Some(nearest),
+        ..empty(night, if left.is_some() { Judgement::Left } else { Judgement::InBand })
+    };
+    match (how.upto, left) {
+        (Upto::Watch, _) => Ok(row),
+        (Upto::Diagnose, Some(_)) => diagnosed(row, &file, &recordings, how),
+        _ => refitted(row, &file, &recordings),
+    }
+}
+
+/// The recordings that can be used, each with what the monitor says of it.
+fn watched(
+    night: &Night,
+    file: &MachineFile,
+    how: &How,
+    unusable: &mut Vec<Unusable>,
+) -> (Vec<Recording>, Vec<Watched>) {
+    let (mut recordings, mut all) = (Vec::new(), Vec::new());
+    for path in &night.recordings {
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let read = recording::read(path, &file.channels).map_err(|error| {
+            // The place without its folder: rows are the same wherever the data set lies.
+            format!("{}; expected {}", error.found(), error.expected())
+        });
+        let found = read.and_then(|recording| {
+            let seen = watch::watch(file, &recording, None, how.false_alarms).map_err(|error| error.to_string())?;
+            Ok((recording, seen))
+        });
+        match found {
+            Ok((recording, seen)) => {
+                recordings.push(recording);
+                all.push(seen);
+            }
+            Err(reason) => unusable.push((name, reason)),
+        }
+    }
+    (recordings, all)
+}
+
+/// How much there is of every effect.
+fn refitted(row: Row, file: &MachineFile, recordings: &[Recording]) -> Result<Row, String> {
+    let refit = Refitting::since(file, recordings, None).and_then(|refitting| refitting.search(&|_| ()));
+    let refit = refit.map_err(|error| error.to_string())?;
+    let of = |estimate: &Estimate| Strength { parameter: estimate.parameter, value: estimate.value, std: estimate.std };
+    Ok(Row { misfits: misfits(&refit.left), strengths: refit.strengths.iter().map(of).collect(), ..row })
+}
+
+/// What has changed since.
+fn diagnosed(row: Row, file: &MachineFile, recordings: &[Recording], how: &How) -> Result<Row, String> {
+    // One recording is held out where there is one to spare.
+    let trained = if recordings.len() > 1 { recordings.len() - 1 } else { 1 };
+    let (training, held_out) = recordings.split_at(trained);
+    let options = Options { tick: None, asks_since: true, limit_s: Some(how.limit_s) };
+    let found = diagnose_with(file, (training, held_out), options, &|_| ()).map_err(|error| error.to_string())?;
+    let judgement = match found.verdict {
+        Verdict::MissingPhysics => Judgement::Changed,
+        Verdict::NothingMissing if found.is_unchanged() => Judgement::Unchanged,
+        Verdict::NothingMissing | Verdict::Unexplained => Judgement::Unexplained,
+    };
+    Ok(Row {
+        judgement,
+        words: format!("{}; {}", terminal::sentence(&found), row.words),
+        misfits: misfits_after(&found),
+        strengths: strengths(&found),
+        ..row
+    })
+}
+
+/// The amounts of what a diagnosis found, and of the effects that the file holds.
+fn strengths(found: &Diagnosis) -> Vec<Strength> {
+    let of_findings = found.findings.iter().flat_map(|finding| &finding.parameters);
+    let held = found.refitted.iter().filter(|estimate| {
+        let is_found = of_findings.clone().any(|own| own.parameter == estimate.parameter);
+        estimate.parameter.effect().is_some() && !is_found
+    });
+    let all = of_findings.clone().chain(held).filter(|estimate| estimate.std.is_finite());
+    all.map(|estimate| Strength { parameter: estimate.parameter, value: estimate.value, std: estimate.std }).collect()
+}
+
+fn misfits(left: &[Miss]) -> [Option<f64>; 4] {
+    MISFITS.map(|signal| left.iter().find(|miss| miss.signal == signal).map(|miss| miss.over_noise))
+}
+
+/// What the model after a diagnosis misses of the recordings that it was fitted to.
+fn misfits_after(found: &Diagnosis) -> [Option<f64>; 4] {
+    let fits: Vec<SignalFit> =
+        found.shown.iter().filter(|shown| !shown.held_out).flat_map(|shown| shown.fits(true)).collect();
+    MISFITS.map(|signal| {
+        let squares = fits.iter().filter(|fit| fit.signal == signal).map(|fit| fit.over_noise.powi(2));
+        let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
+        (count > 0.0).then(|| f64::sqrt(sum / count))
+    })
+}
