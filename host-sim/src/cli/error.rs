@@ -2,6 +2,7 @@
 
 mod shown;
 
+use std::ffi::OsString;
 use std::io;
 use std::path::PathBuf;
 
@@ -73,6 +74,15 @@ pub enum CliError {
         machine: PathBuf,
         /// Why.
         cause: CompareError,
+    },
+    /// A folder that has to be empty and is not.
+    #[cfg(feature = "virtual-plant")]
+    #[error("{}: there is {} in it already; expected an empty folder, or one that is made there", folder.display(), found.display())]
+    NotEmpty {
+        /// The folder.
+        folder: PathBuf,
+        /// What is in it.
+        found: OsString,
     },
     /// The nights of many drives, or the table of them.
     #[cfg(feature = "fleet")]

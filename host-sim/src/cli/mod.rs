@@ -18,6 +18,8 @@ pub mod export;
 pub mod fit;
 #[cfg(feature = "fleet")]
 pub mod fleet;
+#[cfg(feature = "virtual-plant")]
+mod hall;
 pub mod import;
 pub mod init;
 mod input;

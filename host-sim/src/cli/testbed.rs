@@ -19,7 +19,7 @@ use super::ending::DOCUMENT;
 use super::error::CliError;
 use super::input::TickArgument;
 use super::target::{check_folder, check_targets, make_folder, tell, write_together};
-use super::{Outcome, draw};
+use super::{Outcome, draw, hall};
 
 /// Arguments of `testbed`.
 #[derive(Clone, Debug, clap::Args)]
@@ -82,6 +82,8 @@ pub struct Arguments {
 pub enum Other {
     /// Draw concealed cases at random, with the truth beside them.
     Draw(draw::Arguments),
+    /// Draw a hall of drives, night by night, with what wears, to try `fleet` on.
+    Hall(hall::Arguments),
 }
 
 /// What is made, checked.
@@ -98,8 +100,10 @@ struct Job {
 const SPOOL_NOISE: f64 = 5e-4;
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    if let Some(Other::Draw(arguments)) = &arguments.other {
-        return draw::run(arguments, console);
+    match &arguments.other {
+        Some(Other::Draw(arguments)) => return draw::run(arguments, console),
+        Some(Other::Hall(arguments)) => return hall::run(arguments, console),
+        None => {}
     }
     let (Some(machine), Some(out)) = (&arguments.machine, &arguments.out) else {
         unreachable!("without a subcommand both are required")

@@ -182,6 +182,35 @@ fn is_part(entry: &std::io::Result<fs::DirEntry>) -> bool {
     entry.as_ref().is_ok_and(|entry| entry.file_name().to_string_lossy().starts_with("part-"))
 }
 
+/// The way of docs/fleet.md: drawn, commissioned, judged.
+#[test]
+fn a_drawn_hall_is_commissioned_and_judged_and_drawn_again_it_is_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for out in ["hall", "again"] {
+        done(here, &["testbed", "hall", "--drives", "2", "--nights", "2", "--seed", "7", "--out", out]);
+    }
+    let truth = |out: &str| fs::read_to_string(here.join(out).join("truth.json")).unwrap();
+    assert_eq!(truth("hall"), truth("again").replace("\"again\"", "\"hall\""));
+    let one = "drive=drive-001/date=2026-01-02/1.csv";
+    assert_eq!(fs::read(here.join("hall").join(one)).unwrap(), fs::read(here.join("again").join(one)).unwrap());
+    let full = refused(here, &["testbed", "hall", "--out", "hall"]);
+    assert!(full.contains("expected an empty folder"), "{full}");
+    for drive in ["hall/drive=drive-000", "hall/drive=drive-001"] {
+        let healthy: Vec<String> = (1..=12).map(|k| format!("{drive}/_healthy/{k}.csv")).collect();
+        let healthy: Vec<&str> = healthy.iter().map(String::as_str).collect();
+        let machine = format!("{drive}/machine.toml");
+        let saved = ["--machine", &machine, "--save-machine", &machine];
+        done(here, &[&["fit"][..], &healthy[..4], &saved].concat());
+        done(here, &[&["watch"][..], &saved, &["--healthy"], &healthy[4..]].concat());
+    }
+    done(here, &["fleet", "hall", "--upto", "refit", "--out", "table"]);
+    let all = table(here, "table");
+    assert_eq!(all.len(), 4);
+    let is_known = |row: &Row| row.judgement != Judgement::Unusable && row.recordings == 2;
+    assert!(all.iter().all(is_known), "{all:#?}");
+}
+
 #[test]
 fn a_folder_without_nights_and_a_table_of_another_kind_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -83,6 +83,7 @@ fn the_document_of_every_command_holds_to_its_published_schema() {
     check(&[&["export", "--out", "p.rs", "--bake"][..], &drive].concat());
     check(&[&["testbed", "--train", "steps:6V", "--holdout", "sweep:5V", "--out", "case"][..], &drive].concat());
     check(&["testbed", "draw", "--count", "2", "--out", "cases"]);
+    check(&["testbed", "hall", "--drives", "1", "--nights", "1", "--out", "drawn-hall"]);
     check(&["paper"]);
     let healthy = ["1", "2", "3"].map(|k| example(&format!("train-{k}.csv")));
     let healthy: Vec<&str> = healthy.iter().map(String::as_str).collect();

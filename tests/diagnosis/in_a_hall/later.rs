@@ -10,11 +10,10 @@ use rayon::prelude::*;
 
 use diagnosis::{Diagnosis, diagnose_since};
 use recording::seeded_noise::Noise;
+use virtual_plant::hall::{Change, RECORDINGS, Worn, recorded, runs, stays_inside, times};
 
 use super::super::bed::Case;
-use super::recordings::{Change, RECORDINGS, named, recorded, runs, stays_inside};
-use super::worn::{Worn, times};
-use super::{Matter, keep};
+use super::{Matter, keep, named};
 
 /// Pairs of each part: with a change, and without.
 const CHANGED: u64 = 12;
@@ -72,9 +71,7 @@ impl Pair {
 
 /// Parts of which there can be more.
 pub(super) fn parts() -> impl Iterator<Item = Worn> {
-    const WITHOUT: [&str; 5] =
-        ["spool-stiction", "metering-asymmetry", "flow-gain-nonlinearity", "end-stop", "spool-offset"];
-    Worn::all().filter(|worn| !WITHOUT.contains(&worn.name()))
+    Worn::that_grow()
 }
 
 /// Where `HALL_RESUME` names a folder, what was said of a pair before is read there, and what is said of another is written there: one folder for one

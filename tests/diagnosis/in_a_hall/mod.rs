@@ -1,16 +1,12 @@
 //! Drives as they stand in a hall, drawn: healthy ones, ones with a cause that no catalogue has, and ones of which one part is worn. Whatever is
 //! named on the first two is named falsely, and on the others whatever is not the worn part.
 //!
-//! What is known of each is its data sheet; what it is lies within that ([`drive`]), and what it has beyond within its drawing ([`installed`]). They are recorded for as short as such recordings
-//! are ([`recordings`]). Each cause is one that the recordings show ([`outside`]), each worn part too ([`worn`]). The table beside this folder is a snapshot.
+//! What is known of each is its data sheet; what it is lies within that ([`Hall`]), and what it has beyond within its drawing . They are recorded for as short as such recordings
+//! are ([`runs`]). Each cause is one that the recordings show ([`outside`]), each worn part too ([`Worn`]). The table beside this folder is a snapshot.
 
-mod drive;
-mod installed;
 mod later;
 mod outside;
-mod recordings;
 mod table;
-mod worn;
 
 use std::ops::Range;
 use std::path::Path;
@@ -20,15 +16,14 @@ use rayon::prelude::*;
 
 use diagnosis::Verdict;
 use model_core::machine::Parameter;
+use recording::Recording;
 use recording::seeded_noise::Noise;
 use system_tests::snapshot;
 use virtual_plant::SyntheticRecording;
+use virtual_plant::hall::{self, Change, Hall, RECORDINGS, Worn, recorded, runs};
 
-use self::drive::Hall;
 use self::outside::Cause;
-use self::recordings::{Change, RECORDINGS, named, recorded, runs};
 use self::table::{Said, table};
-use self::worn::Worn;
 use super::bed::Case;
 
 /// Healthy drives, drives with each cause and with each worn part, of the whole study.
@@ -91,14 +86,14 @@ fn drawn(matter: Matter, number: u64) -> (Hall, Vec<SyntheticRecording>) {
     let name = format!("{}-{number}", matter.name());
     for attempt in 0..ATTEMPTS {
         let mut dice = Noise::new(10_000 * of_kind + number, attempt);
-        let mut hall = Hall::draw(&name, &mut dice);
+        let Some(mut hall) = Hall::draw(&name, &mut dice) else { continue };
         let Some(runs) = runs(&hall, &mut dice) else { continue };
         let made = match matter {
             Matter::Nothing => {
                 runs.iter().map(|run| Some(recorded(&hall, run, &run.whole(&hall, &Change::default())?))).collect()
             }
             Matter::Outside(cause) => outside::made(&hall, cause, &runs, &mut dice),
-            Matter::Within(worn) => worn::made(&mut hall, worn, &runs, &mut dice),
+            Matter::Within(worn) => hall::made(&mut hall, worn, &runs, &mut dice),
         };
         if let Some(made) = made {
             if let Some(folder) = std::env::var_os("HALL_KEEP") {
@@ -110,6 +105,11 @@ fn drawn(matter: Matter, number: u64) -> (Hall, Vec<SyntheticRecording>) {
     panic!("{name} cannot be drawn");
 }
 
+/// Recordings as a diagnosis takes them.
+fn named(kept: &[SyntheticRecording]) -> Vec<Recording> {
+    kept.iter().enumerate().map(|(index, kept)| kept.to_recording(&hall::name(index)).unwrap()).collect()
+}
+
 /// Where `HALL_KEEP` names a folder, each case is written there as the program reads it.
 fn keep(folder: &Path, hall: &Hall, made: &[SyntheticRecording]) {
     let folder = folder.join(&hall.file.name);
@@ -118,7 +118,7 @@ fn keep(folder: &Path, hall: &Hall, made: &[SyntheticRecording]) {
     let truth = format!("{:#?}\n{:#?}\n{:#?}\n", hall.truth, hall.effects, hall.sensors);
     std::fs::write(folder.join("truth.txt"), truth).unwrap();
     for (index, made) in made.iter().enumerate() {
-        made.write_csv(&folder.join(recordings::name(index))).unwrap();
+        made.write_csv(&folder.join(hall::name(index))).unwrap();
     }
 }
 
@@ -199,7 +199,7 @@ const FARTHEST: f64 = 2.5;
 #[test]
 fn a_drawn_drive_is_what_its_sheet_can_mean() {
     for number in 0..200 {
-        let hall = Hall::draw("hall", &mut Noise::new(number, 0));
+        let hall = Hall::draw("hall", &mut Noise::new(number, 0)).unwrap();
         for (&parameter, sigma) in &hall.file.sigma {
             let (stated, true_value) = (hall.file.machine.get(parameter), hall.truth.get(parameter));
             let off = (true_value - stated).abs() / sigma;

@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
+use diagnosis::agreement::Tolerated;
 use diagnosis::localisation::Miss;
-use diagnosis::{Diagnosis, Options, Refitting, Verdict, diagnose_with};
+use diagnosis::{Diagnosis, Options, Refit, Refitting, Verdict, diagnose_with};
 use identification::fit::Estimate;
 use machine_file::MachineFile;
 use recording::Recording;
@@ -103,11 +104,18 @@ fn judged(night: &Night, how: &How, unusable: &mut Vec<Unusable>) -> Result<Row,
         of_limit: Some(nearest),
         ..empty(night, if left.is_some() { Judgement::Left } else { Judgement::InBand })
     };
-    match (how.upto, left) {
-        (Upto::Watch, _) => Ok(row),
-        (Upto::Diagnose, Some(_)) => diagnosed(row, &file, &recordings, how),
-        _ => refitted(row, &file, &recordings),
+    if how.upto == Upto::Watch {
+        return Ok(row);
     }
+    let refit = refit(&file, &recordings)?;
+    if how.upto == Upto::Refit || left.is_none() {
+        return Ok(refitted(row, &refit));
+    }
+    if is_of_the_day(&refit) {
+        let words = format!("unchanged: refitted to the oil and the day, it follows; {}", row.words);
+        return Ok(refitted(Row { judgement: Judgement::Unchanged, words, ..row }, &refit));
+    }
+    diagnosed(row, &file, &recordings, how)
 }
 
 /// The recordings that can be used, each with what the monitor says of it.
@@ -139,12 +147,24 @@ fn watched(
     (recordings, all)
 }
 
-/// How much there is of every effect.
-fn refitted(row: Row, file: &MachineFile, recordings: &[Recording]) -> Result<Row, String> {
+/// The drive, refitted: what is of the oil and of the day may move, the rest as far as it is known since then.
+fn refit(file: &MachineFile, recordings: &[Recording]) -> Result<Refit, String> {
     let refit = Refitting::since(file, recordings, None).and_then(|refitting| refitting.search(&|_| ()));
-    let refit = refit.map_err(|error| error.to_string())?;
+    refit.map_err(|error| error.to_string())
+}
+
+/// Whether what is of the oil and of the day is all that is different: the drive follows as well as its sensors read, and no value has come to an end of what
+/// is known of it.
+fn is_of_the_day(refit: &Refit) -> bool {
+    let follows = !refit.left.iter().any(Miss::is_above_noise);
+    let is_used_up = |one: &Tolerated| one.at_limit || one.left_then.is_some();
+    follows && refit.far_values.is_empty() && !refit.tolerated.iter().any(is_used_up) && refit.converged
+}
+
+/// How much there is of every effect.
+fn refitted(row: Row, refit: &Refit) -> Row {
     let of = |estimate: &Estimate| Strength { parameter: estimate.parameter, value: estimate.value, std: estimate.std };
-    Ok(Row { misfits: misfits(&refit.left), strengths: refit.strengths.iter().map(of).collect(), ..row })
+    Row { misfits: misfits(&refit.left), strengths: refit.strengths.iter().map(of).collect(), ..row }
 }
 
 /// What has changed since.

@@ -16,6 +16,7 @@ pub mod concealed;
 mod effect;
 mod excitation;
 mod flow;
+pub mod hall;
 mod integrator;
 mod physics;
 mod plant;

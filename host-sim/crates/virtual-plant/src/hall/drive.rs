@@ -2,29 +2,33 @@
 //!
 //! Sizes are those of catalogues. The sheet is off by what sheets are off by, and is silent on what every installed drive has within its drawing.
 
+use crate::{PlantEffect, Sensors};
 use machine_file::data_sheet::{Answers, Edges, Item, derived, toml};
 use machine_file::{MachineFile, read_text};
 use model_core::machine::{Machine, Parameter as P};
 use recording::Signal;
 use recording::display_unit::significant;
 use recording::seeded_noise::Noise;
-use virtual_plant::{PlantEffect, Sensors};
 
 use super::installed::{installed, offsets, sensors};
 
 /// A drive and what is known of it.
-#[derive(Clone)]
-pub(super) struct Hall {
-    pub(super) file: MachineFile,
+#[derive(Clone, Debug)]
+pub struct Hall {
+    /// What its data sheet says.
+    pub file: MachineFile,
     /// The machine file as text.
-    pub(super) toml: String,
-    pub(super) truth: Machine<f64>,
+    pub toml: String,
+    /// What it is.
+    pub truth: Machine<f64>,
     /// What the drive has beyond the parameters of its machine.
-    pub(super) effects: Vec<PlantEffect>,
-    pub(super) sensors: Sensors,
+    pub effects: Vec<PlantEffect>,
+    /// What reads it.
+    pub sensors: Sensors,
     /// Measured, beside the command.
-    pub(super) signals: Vec<Signal>,
-    pub(super) tick_s: f64,
+    pub signals: Vec<Signal>,
+    /// From row to row of a recording, s.
+    pub tick_s: f64,
 }
 
 /// Bores with the rods that they are made with, mm.
@@ -142,12 +146,13 @@ fn to_90_percent_s(hertz: f64, damping: f64) -> f64 {
 }
 
 impl Hall {
-    pub(super) fn draw(name: &str, dice: &mut Noise) -> Self {
+    /// A drive at random; `None` where its sheet makes none.
+    pub fn draw(name: &str, dice: &mut Noise) -> Option<Self> {
         let (cylinder, valve) = (Cylinder::draw(dice), Valve::draw(dice));
         let load_n = dice.happens(0.5).then(|| cylinder.force_n() * dice.uniform(-0.15, 0.1));
         let (answers, edges) = sheet(&cylinder, &valve, load_n, dice);
-        let toml = derived(&answers, edges).map(|made| toml(name, &made)).unwrap();
-        let file = read_text("machine.toml", &toml).unwrap();
+        let toml = derived(&answers, edges).map(|made| toml(name, &made)).ok()?;
+        let file = read_text("machine.toml", &toml).ok()?;
         let truth = truth(&file.machine, &cylinder, &valve, load_n, dice);
         let effects = installed(&truth, valve.servo, cylinder.hose_m3(), dice);
         let sensors = sensors(&truth, dice);
@@ -159,11 +164,11 @@ impl Hall {
             _ => vec![Signal::Position],
         };
         let tick_s = if dice.happens(0.5) { 4e-3 } else { 2e-3 };
-        Self { file, toml, truth, effects: [effects, offsets].concat(), sensors, signals, tick_s }
+        Some(Self { file, toml, truth, effects: [effects, offsets].concat(), sensors, signals, tick_s })
     }
 
     /// Supply pressure on the piston, N.
-    pub(super) fn full_n(&self) -> f64 {
+    pub fn full_n(&self) -> f64 {
         self.truth.get(P::AreaA) * self.truth.get(P::SupplyPressure)
     }
 }
@@ -180,7 +185,11 @@ fn sheet(cylinder: &Cylinder, valve: &Valve, load_n: Option<f64>, dice: &mut Noi
     let (drop, edge_pa, edges) = if valve.servo { ("70bar", 35e5, Edges::Both) } else { ("5bar", 5e5, Edges::Edge) };
     let per_minute = 6e4 * open * f64::sqrt(edge_pa);
     let mut answers = Answers::default();
-    let mut say = |item: Item, text: String| answers.insert(item, item.parse(&text).unwrap());
+    let mut say = |item: Item, text: String| {
+        if let Ok(value) = item.parse(&text) {
+            answers.insert(item, value);
+        }
+    };
     say(Item::Bore, format!("{}mm", cylinder.bore_mm));
     say(Item::Rod, format!("{}mm", cylinder.rod_mm));
     say(Item::Stroke, format!("{:.0}mm", 1e3 * cylinder.stroke_m));

@@ -1,20 +1,20 @@
 //! Drives of which one part is worn or set beyond what a drawing allows: an effect of the catalogue beside all that every installed drive has.
 
-use model_core::machine::Parameter as P;
-use recording::Signal;
-use recording::seeded_noise::Noise;
-use virtual_plant::{
+use crate::{
     DryFriction, FlowEffect, FrictionLevel, GainCurve, LoadEffect, MeasuredSignal, PlantEffect, SensingEffect,
     SyntheticRecording, ValveEffect,
 };
+use model_core::machine::Parameter as P;
+use recording::Signal;
+use recording::seeded_noise::Noise;
 
 use super::drive::Hall;
-use super::outside::shows;
 use super::recordings::{Change, RECORDINGS, Run, recorded, stays_inside};
+use super::visibility::shows;
 
 /// What is worn, by the names that are right for it: the first is its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Worn(usize);
+pub struct Worn(usize);
 
 const NAMES: [&[&str]; 17] = [
     &["internal-leakage"],
@@ -42,17 +42,28 @@ const NAMES: [&[&str]; 17] = [
 const VISIBLE_FROM: f64 = 6.0;
 
 impl Worn {
-    pub(super) fn all() -> impl Iterator<Item = Self> {
+    /// Every part that can be worn.
+    pub fn all() -> impl Iterator<Item = Self> {
         (0..NAMES.len()).map(Self)
     }
 
-    pub(super) const fn name(self) -> &'static str {
+    /// Its name: that of the effect.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
         NAMES[self.0][0]
     }
 
     /// Names that are right for it, its own first.
-    pub(super) const fn right(self) -> &'static [&'static str] {
+    #[must_use]
+    pub const fn right(self) -> &'static [&'static str] {
         NAMES[self.0]
+    }
+
+    /// Those of which there can be more or less.
+    pub fn that_grow() -> impl Iterator<Item = Self> {
+        const WITHOUT: [&str; 5] =
+            ["spool-stiction", "metering-asymmetry", "flow-gain-nonlinearity", "end-stop", "spool-offset"];
+        Self::all().filter(|worn| !WITHOUT.contains(&worn.name()))
     }
 
     /// Its effect, in place of what the drive has within its drawing.
@@ -151,7 +162,8 @@ impl Worn {
 }
 
 /// So many times as much of an effect; `None` of one that has no amount here.
-pub(super) fn times(effect: PlantEffect, by: f64) -> Option<PlantEffect> {
+#[must_use]
+pub fn times(effect: PlantEffect, by: f64) -> Option<PlantEffect> {
     use PlantEffect as E;
     Some(match effect {
         E::InternalLeakage { conductance_m3_per_s_pa, turbulent_share, transition_pa } => {
@@ -230,7 +242,7 @@ fn replaces(worn: PlantEffect, usual: &PlantEffect) -> bool {
 
 /// The recordings of a drive of which this is worn, and what it has then; none where it does not show in the
 /// training recordings, or the rod leaves its stroke.
-pub(super) fn made(hall: &mut Hall, worn: Worn, runs: &[Run], dice: &mut Noise) -> Option<Vec<SyntheticRecording>> {
+pub fn made(hall: &mut Hall, worn: Worn, runs: &[Run], dice: &mut Noise) -> Option<Vec<SyntheticRecording>> {
     let effect = worn.draw(hall, runs, dice)?;
     let usual = hall.clone();
     hall.effects.retain(|kept| !replaces(effect, kept));

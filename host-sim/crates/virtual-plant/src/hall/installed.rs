@@ -1,11 +1,9 @@
 //! What every installed drive has within its drawing, and no data sheet says; and its sensors.
 
+use crate::sensor::sensors::{PositionSensor, PressureSensor, SpoolSensor};
+use crate::{DryFriction, FlowEffect, FrictionLevel, MeasuredSignal, PlantEffect, SensingEffect, Sensors, ValveEffect};
 use model_core::machine::{Machine, Parameter as P};
 use recording::seeded_noise::Noise;
-use virtual_plant::sensor::sensors::{PositionSensor, PressureSensor, SpoolSensor};
-use virtual_plant::{
-    DryFriction, FlowEffect, FrictionLevel, MeasuredSignal, PlantEffect, SensingEffect, Sensors, ValveEffect,
-};
 
 /// Effects, each within the tolerance that the data sheet's file has for it.
 pub(super) fn installed(truth: &Machine<f64>, servo: bool, hose_m3: f64, dice: &mut Noise) -> Vec<PlantEffect> {

@@ -1,16 +1,17 @@
 //! How a drawn drive is driven and recorded: three recordings to train on and one held out, two seconds each, inside the stroke.
 
+use crate::{Bench, Drive, InitialState, LoadProfile, Plant, PlantEffect, SyntheticRecording, Thermometer};
 use model_core::machine::Parameter as P;
+use recording::Signal;
 use recording::excitation::signals::Excitation;
 use recording::seeded_noise::Noise;
-use recording::{Recording, Signal};
-use virtual_plant::{Bench, Drive, InitialState, LoadProfile, Plant, PlantEffect, SyntheticRecording};
 
 use super::drive::Hall;
 
 /// Recordings of a case; the last one is held out.
-pub(super) const RECORDINGS: usize = 4;
-pub(super) const DURATION_S: f64 = 2.0;
+pub const RECORDINGS: usize = 4;
+/// Length of a recording, s.
+pub const DURATION_S: f64 = 2.0;
 /// The drive settles for so long at least before anything is recorded, s.
 const SETTLING_S: f64 = 0.4;
 const TOLERANCE: f64 = 1e-6;
@@ -22,8 +23,8 @@ const LEAST_PA: f64 = 2e4;
 const FEEBLE: f64 = 0.4;
 
 /// One run of a drive.
-#[derive(Clone)]
-pub(super) struct Run {
+#[derive(Clone, Debug)]
+pub struct Run {
     drive: Drive,
     start_m: f64,
     seed: u64,
@@ -32,36 +33,60 @@ pub(super) struct Run {
 }
 
 /// What is different for a run of a drive with a cause that no catalogue has.
-#[derive(Clone, Default)]
-pub(super) struct Change {
-    pub(super) effects: Vec<PlantEffect>,
+#[derive(Clone, Debug, Default)]
+pub struct Change {
+    /// Effects beside those of the drive.
+    pub effects: Vec<PlantEffect>,
     /// From the start of the recording on.
-    pub(super) load: LoadProfile,
+    pub load: LoadProfile,
+    /// Temperature of the oil, °C, of a drive with an oil whose temperature acts.
+    pub oil_c: Option<f64>,
+    /// Whether that is recorded.
+    pub sees_oil: bool,
 }
 
 impl Run {
     /// Seconds before the recording.
-    pub(super) fn before_s(&self, hall: &Hall) -> f64 {
+    pub fn before_s(&self, hall: &Hall) -> f64 {
         self.before as f64 * hall.tick_s
     }
 
     /// Everything that happens, the time before the recording included.
-    pub(super) fn whole(&self, hall: &Hall, change: &Change) -> Option<SyntheticRecording> {
+    pub fn whole(&self, hall: &Hall, change: &Change) -> Option<SyntheticRecording> {
         let effects = [hall.effects.as_slice(), &change.effects].concat();
+        let effects: Vec<PlantEffect> =
+            effects.iter().map(|effect| change.oil_c.map_or(*effect, |oil_c| effect.in_oil_at(oil_c))).collect();
         let plant = Plant::new(&hall.truth, TOLERANCE).ok()?.with_effects(&effects);
         let load = change.load.later(self.before_s(hall));
         let bench = Bench { tick_s: hall.tick_s, seed: self.seed, ..Bench::new(plant.with_load(load), hall.sensors) };
+        let read = |oil_c| Thermometer { oil_c, noise_std_k: 0.2, resolution_k: 0.1 };
+        let thermometer = change.oil_c.filter(|_| change.sees_oil).map(read);
+        let bench = Bench { thermometer, ..bench };
         bench.record(&self.drive, &InitialState::at_rest(&hall.truth, self.start_m)).ok()
     }
 
     /// The same run with these commands, whatever they answer to.
-    pub(super) fn commanded(&self, command_v: Vec<f64>) -> Self {
+    #[must_use]
+    pub fn commanded(&self, command_v: Vec<f64>) -> Self {
         Self { drive: Drive::Commands(command_v), ..self.clone() }
+    }
+
+    /// The same run at another time: only the noise of the sensors is another.
+    #[must_use]
+    pub fn again(&self, seed: u64) -> Self {
+        Self { seed, ..self.clone() }
+    }
+
+    /// The same run of a drive that nobody moves.
+    #[must_use]
+    pub fn resting(&self, tick_s: f64) -> Self {
+        self.commanded(vec![0.0; self.before + ticks(DURATION_S, tick_s) + 1])
     }
 }
 
 /// Whether the rod keeps away from the ends, and the oil is never drawn on.
-pub(super) fn stays_inside(hall: &Hall, whole: &SyntheticRecording) -> bool {
+#[must_use]
+pub fn stays_inside(hall: &Hall, whole: &SyntheticRecording) -> bool {
     let stroke_m = hall.truth.get(P::Stroke);
     let inside = MARGIN * stroke_m..(1.0 - MARGIN) * stroke_m;
     whole
@@ -71,7 +96,7 @@ pub(super) fn stays_inside(hall: &Hall, whole: &SyntheticRecording) -> bool {
 }
 
 /// The runs of a case on the drive as it is; none where the drive does not stay inside its stroke.
-pub(super) fn runs(hall: &Hall, dice: &mut Noise) -> Option<Vec<Run>> {
+pub fn runs(hall: &Hall, dice: &mut Noise) -> Option<Vec<Run>> {
     let regulated = dice.happens(0.3);
     (0..RECORDINGS).map(|index| run(hall, index, regulated && index % 2 == 1, dice)).collect()
 }
@@ -158,7 +183,8 @@ fn run(hall: &Hall, index: usize, regulated: bool, dice: &mut Noise) -> Option<R
 }
 
 /// What is kept of a run: from where the recording begins, only what is measured.
-pub(super) fn recorded(hall: &Hall, run: &Run, whole: &SyntheticRecording) -> SyntheticRecording {
+#[must_use]
+pub fn recorded(hall: &Hall, run: &Run, whole: &SyntheticRecording) -> SyntheticRecording {
     let mut kept = whole.clone();
     kept.cut_before(run.before);
     kept.reference_m.clear();
@@ -176,10 +202,7 @@ pub(super) fn recorded(hall: &Hall, run: &Run, whole: &SyntheticRecording) -> Sy
 }
 
 /// The name of each recording, for a file too.
-pub(super) fn name(index: usize) -> String {
+#[must_use]
+pub fn name(index: usize) -> String {
     if index + 1 < RECORDINGS { format!("train-{}.csv", index + 1) } else { "holdout-1.csv".to_owned() }
-}
-
-pub(super) fn named(kept: &[SyntheticRecording]) -> Vec<Recording> {
-    kept.iter().enumerate().map(|(index, kept)| kept.to_recording(&name(index)).unwrap()).collect()
 }
