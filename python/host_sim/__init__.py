@@ -14,6 +14,7 @@ Columns of recordings and tables carry their unit in the header: "position [mm]"
 """
 
 from ._commands import compare, diagnose, fit, inspect, plan, simulate
+from ._fleet import FleetRun, fleet
 from ._machine import Machine
 from ._native import Error, __version__
 from ._recordings import Recording, read
@@ -36,6 +37,7 @@ __all__ = [
     "Error",
     "Finding",
     "Fit",
+    "FleetRun",
     "Inspection",
     "Machine",
     "Parameter",
@@ -48,6 +50,7 @@ __all__ = [
     "compare",
     "diagnose",
     "fit",
+    "fleet",
     "inspect",
     "plan",
     "read",

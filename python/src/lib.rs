@@ -10,6 +10,7 @@
 mod commands;
 mod diagnose;
 mod error;
+mod fleet;
 mod in_memory;
 mod machine;
 mod page;
@@ -33,6 +34,8 @@ mod _native {
     use crate::diagnose::{Diagnosed, diagnose};
     #[pymodule_export]
     use crate::error::Error;
+    #[pymodule_export]
+    use crate::fleet::{FleetTable, fleet, judge, nights, nights_of, unusable};
     #[pymodule_export]
     use crate::in_memory::{from_arrow, from_columns};
     #[pymodule_export]

@@ -53,9 +53,11 @@ const ALLOWED: [(&str, &[&str]); 23] = [
             "machine-file",
             "simulation",
             "identification",
+            "watch",
             "diagnosis",
             "experiment",
             "report",
+            "fleet",
         ],
     ),
     (

@@ -2,7 +2,6 @@
 
 mod shown;
 
-use std::ffi::OsString;
 use std::io;
 use std::path::PathBuf;
 
@@ -82,7 +81,7 @@ pub enum CliError {
         /// The folder.
         folder: PathBuf,
         /// What is in it.
-        found: OsString,
+        found: std::ffi::OsString,
     },
     /// The nights of many drives, or the table of them.
     #[cfg(feature = "fleet")]

@@ -18,8 +18,8 @@ mod run;
 mod table;
 
 pub use columns::{column_of, deviation_of};
-pub use dataset::{Night, nights};
-pub use night::{How, Upto, judge};
+pub use dataset::{Night, nights, nights_of};
+pub use night::{How, Upto, judge, unusable};
 pub use row::{Judgement, MISFITS, Row, Strength};
 pub use run::{FleetError, Pending};
-pub use table::{Table, TableError, rows};
+pub use table::{Table, TableError, of_parquet, rows, to_parquet};

@@ -39,6 +39,12 @@ pub struct How {
     pub limit_s: f64,
 }
 
+impl Upto {
+    /// All of them.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("watch", Self::Watch), ("refit", Self::Refit), ("diagnose", Self::Diagnose)];
+}
+
 impl Default for How {
     fn default() -> Self {
         Self { upto: Upto::default(), false_alarms: watch::FALSE_ALARMS, limit_s: Options::USUAL_LIMIT_S }
@@ -49,15 +55,21 @@ impl Default for How {
 #[must_use]
 pub fn judge(night: &Night, how: &How) -> Vec<Row> {
     let began = Instant::now();
-    let mut unusable = Vec::new();
-    let mut row = match judged(night, how, &mut unusable) {
+    let mut recordings = Vec::new();
+    let mut row = match judged(night, how, &mut recordings) {
         Ok(row) => row,
-        Err(reason) => Row { words: reason, ..empty(night, Judgement::Unusable) },
+        Err(reason) => unusable(night, reason),
     };
     row.seconds = began.elapsed().as_secs_f64();
     let of_recording =
         |(recording, reason)| Row { recording: Some(recording), words: reason, ..empty(night, Judgement::Unusable) };
-    std::iter::once(row).chain(unusable.into_iter().map(of_recording)).collect()
+    std::iter::once(row).chain(recordings.into_iter().map(of_recording)).collect()
+}
+
+/// The row of a night that could not be judged at all.
+#[must_use]
+pub fn unusable(night: &Night, reason: String) -> Row {
+    Row { words: reason, ..empty(night, Judgement::Unusable) }
 }
 
 /// A row in which nothing is known yet.

@@ -9,12 +9,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use bytes::Bytes;
 use model_core::machine::Parameter;
 use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
-use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::record::{Field, Row as Record};
 use parquet::schema::types::Type;
@@ -107,8 +108,7 @@ impl Table {
             return Ok(());
         }
         let path = self.folder.join(format!("part-{:06}.{ENDING}", self.next));
-        let bytes =
-            bytes(rows).map_err(|error| TableError::Io { path: path.clone(), cause: io::Error::other(error) })?;
+        let bytes = to_parquet(rows).map_err(|cause| TableError::Io { path: path.clone(), cause })?;
         let written = atomic::write(&path, |out| out.write_all(&bytes));
         written.map_err(|cause| TableError::Io { path, cause })?;
         self.next += 1;
@@ -206,7 +206,23 @@ fn misfit_column(signal: recording::Signal) -> String {
     format!("misfit_{}", signal.name())
 }
 
-fn bytes(rows: &[Row]) -> Result<Vec<u8>, ParquetError> {
+/// Rows as the bytes of a part.
+///
+/// # Errors
+/// They cannot be packed.
+pub fn to_parquet(rows: &[Row]) -> io::Result<Vec<u8>> {
+    packed(rows).map_err(io::Error::other)
+}
+
+/// The rows of a part's bytes; `name` stands for it in messages.
+///
+/// # Errors
+/// They are no part of such a table.
+pub fn of_parquet(name: &str, bytes: Vec<u8>) -> Result<Vec<Row>, TableError> {
+    read(Path::new(name), Bytes::from(bytes))
+}
+
+fn packed(rows: &[Row]) -> Result<Vec<u8>, ParquetError> {
     let columns = columns();
     let field = |(name, column): &(String, Column)| {
         let physical = match column {
@@ -267,9 +283,12 @@ fn put(
 }
 
 fn rows_of(part: &Path) -> Result<Vec<Row>, TableError> {
+    read(part, File::open(part).map_err(|cause| TableError::Io { path: part.to_owned(), cause })?)
+}
+
+fn read<R: ChunkReader + 'static>(part: &Path, from: R) -> Result<Vec<Row>, TableError> {
     let no_part = |what: String| TableError::NoPart { path: part.to_owned(), what };
-    let file = File::open(part).map_err(|cause| TableError::Io { path: part.to_owned(), cause })?;
-    let reader = SerializedFileReader::new(file).map_err(|error| no_part(error.to_string()))?;
+    let reader = SerializedFileReader::new(from).map_err(|error| no_part(error.to_string()))?;
     let records = reader.get_row_iter(None).map_err(|error| no_part(error.to_string()))?;
     records.map(|record| row_of(&record.map_err(|error| no_part(error.to_string()))?).map_err(no_part)).collect()
 }

@@ -22,6 +22,12 @@ pub fn listed(folder: &Path, prefix: &str) -> io::Result<Vec<PathBuf>> {
     Ok(found)
 }
 
+/// Whether a file's name ends as a format's do.
+#[must_use]
+pub fn is_recording(name: &str) -> bool {
+    Format::of_extension(Path::new(name)).is_some()
+}
+
 /// Two of these files with one name in two formats: the same recording would count twice, and the copies may differ in the last digit.
 #[must_use]
 pub fn in_two_formats(listed: &[PathBuf]) -> Option<(&Path, &Path)> {

@@ -1,0 +1,156 @@
+"""Many drives, every night: the recordings of each night of each drive become a row of a Parquet table.
+
+The work is the program's own (``host-sim fleet``): one drive and one night know nothing of any other. Here it runs on the threads
+of this process, or on the workers of a Dask cluster, which may be anywhere; the rows are the same.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, Union
+
+from . import _native
+
+Upto = Literal["watch", "refit", "diagnose"]
+Night = tuple[str, str, "_native.Path", "list[_native.Path]", "_native.Path | None"]
+How = tuple[str, float, float]
+
+_KEPT_S = 5.0
+"""How long parts are kept back at most before they are written: as much is lost when the run is killed."""
+
+
+@dataclass(frozen=True)
+class FleetRun:
+    """What one run over the nights of many drives did."""
+
+    table: str
+    """The folder of the rows: ``pandas.read_parquet(run.table)``."""
+    verdicts: dict[str, int]
+    """How many of the nights that it judged ended how: ``in-band``, ``unchanged``, ``changed``, ``left-band``, ``unexplained``, ``unusable``."""
+
+    @property
+    def nights(self) -> int:
+        """How many nights it judged; those that were in the table already do not count."""
+        return sum(self.verdicts.values())
+
+
+def fleet(
+    dataset: Union[str, "os.PathLike[str]"],
+    out: Union[str, "os.PathLike[str]"],
+    *,
+    upto: Upto = "diagnose",
+    false_alarms: float = 1e-3,
+    time_limit_s: float = 300.0,
+    threads: int | None = None,
+    client: Any = None,
+    storage_options: Mapping[str, Any] | None = None,
+) -> FleetRun:
+    """Judges every night of every drive that the table does not have yet.
+
+    A run that was killed goes on where it was: no row is lost and none comes twice. Whatever is wrong with a night is a row with the reason.
+
+    Args:
+        dataset: a folder ``drive=NAME/machine.toml``, ``drive=NAME/date=NIGHT/`` with recordings; with ``client`` also a bucket, as fsspec names it.
+        out: the folder of the rows, Parquet; made where it is not there.
+        upto: how far a night is looked into: ``watch`` whether the drive is in its band, ``refit`` also how much there is of every effect,
+            ``diagnose`` also what has changed in a drive that left its band.
+        false_alarms: share of a healthy drive's recordings that may leave the band by chance.
+        time_limit_s: what the search of one diagnosis may take, s on two usual cores.
+        threads: how many threads compute here, or on each worker for one night.
+        client: a ``dask.distributed.Client``: its workers judge the nights. A worker that dies has its nights judged by another.
+        storage_options: what fsspec needs to open ``dataset``.
+    """
+    how = (str(upto), float(false_alarms), float(time_limit_s))
+    if client is None:
+        if storage_options is not None:
+            raise TypeError("storage_options: only for the workers of a client; expected client=dask.distributed.Client(...)")
+        counts = _native.fleet(Path(dataset), Path(out), how, threads)
+        return FleetRun(os.fspath(out), counts)
+    return FleetRun(os.fspath(out), _on_workers(client, os.fspath(dataset), Path(out), how, threads, dict(storage_options or {})))
+
+
+def _nights(dataset: str, storage: dict[str, Any]) -> tuple[list[Night], bool]:
+    """The nights of a data set, and whether its files have to be fetched first."""
+    if "://" not in dataset:
+        # Workers may stand in another folder.
+        return _native.nights(Path(dataset).absolute()), False
+    import fsspec
+
+    files, root = fsspec.core.url_to_fs(dataset, **storage)
+    below = [path[len(root) :].lstrip("/") for path in files.find(root)]
+    return _native.nights_of(Path(root), below), True
+
+
+def _judged(night: Night, how: How, threads: int | None, source: tuple[str, dict[str, Any]] | None) -> bytes:
+    """The rows of a night as a part of a table; on a worker."""
+    if source is None:
+        return _native.judge(night, how, threads)
+    import fsspec
+
+    files, _ = fsspec.core.url_to_fs(source[0], **source[1])
+    drive, name, machine, recordings, twin = night
+    with tempfile.TemporaryDirectory() as folder:
+
+        def fetched(path: _native.Path) -> Path:
+            here = Path(folder) / Path(path).name
+            # What cannot be fetched is missing, which the row says.
+            if files.exists(os.fspath(path)):
+                files.get_file(os.fspath(path), os.fspath(here))
+            return here
+
+        near: Night = (drive, name, fetched(machine), [fetched(path) for path in recordings], twin)
+        return _native.judge(near, how, threads)
+
+
+def _on_workers(
+    client: Any, dataset: str, out: Path, how: How, threads: int | None, storage: dict[str, Any]
+) -> dict[str, int]:
+    from distributed import as_completed
+
+    # It has no types.
+    completed: Any = as_completed
+    nights, is_remote = _nights(dataset, storage)
+    if not nights:
+        raise _native.Error(f"{dataset}: no night of any drive; expected folders as drive=press-1/date=2026-11-30 with recordings")
+    table = _native.FleetTable(out)
+    try:
+        pending = [night for night in nights if not table.has(night[0], night[1])]
+        source = (dataset, storage) if is_remote else None
+        futures = client.map(_judged, pending, how=how, threads=threads, source=source, pure=False)
+        of = {future.key: night for future, night in zip(futures, pending)}
+        counts: dict[str, int] = {}
+        kept: list[bytes] = []
+        since = time.monotonic()
+
+        def write() -> None:
+            for verdict, count in table.append(kept).items():
+                counts[verdict] = counts.get(verdict, 0) + count
+            kept.clear()
+
+        for future in completed(futures):
+            kept.append(_part(future, of[future.key]))
+            future.release()
+            if time.monotonic() - since > _KEPT_S:
+                write()
+                since = time.monotonic()
+        write()
+        return counts
+    finally:
+        table.close()
+
+
+def _part(future: Any, night: Night) -> bytes:
+    """What a worker made of a night; that of a night on which workers die is a row that says so."""
+    error = future.exception()
+    if error is None:
+        part: bytes = future.result()
+        return part
+    if isinstance(error, _native.Error) and error.key is not None:
+        # An argument, which is wrong for every night.
+        raise error
+    return _native.unusable(night, f"{type(error).__name__}: {error}")
