@@ -1,6 +1,7 @@
 //! Cases drawn on the virtual test bed, eighty in the long test, whose effects have other forms than the hypotheses: single effects, pairs,
 //! none, and effects out of the catalogue. The truth against the answer, with how the cases were recorded and driven, as a
-//! snapshot beside this file (`RENEW=1` writes it anew), and the rate of false alarms.
+//! snapshot beside this file (`RENEW=1` writes it anew), and the rate of false alarms. Hard cases that were once confused, each with what ended it; those that take a
+//! minute are a study of their own: `cargo test --release -p system-tests --test diagnosis confusion -- --ignored`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -168,6 +169,7 @@ fn of_a_dozen_drawn_cases_most_are_named_and_nothing_is_accepted_where_nothing_w
 /// While the rod rests at the stop, the model's rod goes on: a residual of one independent sample, which only the stop explains. For the
 /// first drive the rough refit explains all of it with an impossible damping.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn a_stop_that_a_rod_rests_at_is_named() {
     let stop = Lot { only: vec!["end-stop".to_owned()], ..lot(77, Concealed::Single, false) };
     for index in [1, 2] {
@@ -178,6 +180,7 @@ fn a_stop_that_a_rod_rests_at_is_named() {
 
 /// An oil that warms up, in two recordings of the position: after a single Newton step the model with this effect follows one of them worse.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn what_one_newton_step_tells_too_little_of_is_refitted() {
     let said = said(&lot(102, Concealed::Single, true), 8).unwrap();
     assert_eq!(said.truth, "oil-temperature");
@@ -192,12 +195,14 @@ fn a_late_position_does_not_hide_a_neutral_that_drifts() {
 
 /// The error that the form of a saturated valve leaves reaches every signal below; the air below it is found with the recorded spool as drive input.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn a_saturated_valve_does_not_hide_the_air_below_it() {
     is_named(9204, 3, "solenoid-saturation + entrained-air");
 }
 
 /// Below the spool, a spool sensor with an offset and unequal edges look alike; what is found on the rod's side remains with either of them.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn a_misread_spool_is_not_taken_for_unequal_edges_beside_a_leak() {
     is_named(9204, 27, "external-leakage + sensor-offset");
 }
@@ -205,18 +210,21 @@ fn a_misread_spool_is_not_taken_for_unequal_edges_beside_a_leak() {
 /// A spool with flow force is followed to three times its noise only. That neither pulls a base parameter from its nominal value, nor makes
 /// unequal edges look like an offset of the spool sensor.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn unequal_edges_are_found_below_a_spool_with_flow_force() {
     is_named(9204, 9, "flow-force + dead-zone-asymmetry");
 }
 
 /// The rod integrates a misfit of a curved flow gain that is below the noise: this must not turn unequal edges into an offset of the spool sensor.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn unequal_edges_are_found_beside_a_curved_flow_gain() {
     is_named(9102, 10, "flow-gain-nonlinearity + dead-zone-asymmetry");
 }
 
 /// A load that begins inside the stroke yields by centimetres; a stop is never that soft.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn a_load_that_begins_inside_the_stroke_is_not_called_a_stop() {
     let said = pair(9102, 7, "position-dependent-friction + position-dependent-load");
     assert!(!said.answer.contains("end-stop"), "{} said", said.answer);
