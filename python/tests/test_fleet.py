@@ -96,7 +96,8 @@ def test_a_cluster_makes_the_same_rows_though_a_worker_is_killed_and_a_recording
             killer.start()
             run = host_sim.fleet(hall, tmp_path / "table", upto="refit", threads=1, client=client)
             killer.join()
-            assert first not in client.run(os.getpid).values()
+            # One that is dying does not answer.
+            assert first not in client.run(os.getpid, on_error="ignore").values()
             pd.testing.assert_frame_equal(rows(run.table), expected)
             assert host_sim.fleet(hall, tmp_path / "table", upto="refit", client=client).nights == 0
 
