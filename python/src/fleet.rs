@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use ::fleet::{How, Night, Pending, Row, Upto, of_parquet, to_parquet};
+use ::fleet::{How, Night, Pending, Row, Tally, Upto, of_parquet, to_parquet};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use report::refused::Refused;
@@ -79,11 +79,9 @@ pub(crate) struct FleetTable {
     table: Mutex<Option<::fleet::Table>>,
 }
 
-/// How many nights ended how.
-fn counted(counts: &mut BTreeMap<&'static str, usize>, rows: &[Row]) {
-    for row in rows.iter().filter(|row| row.recording.is_none()) {
-        *counts.entry(row.judgement.name()).or_default() += 1;
-    }
+/// How many nights ended how, by the names of a table.
+fn named(tally: &Tally) -> BTreeMap<&'static str, usize> {
+    tally.iter().map(|(judgement, count)| (judgement.name(), count)).collect()
 }
 
 #[pymethods]
@@ -109,9 +107,9 @@ impl FleetTable {
         let mut table = self.table.lock().unwrap_or_else(PoisonError::into_inner);
         let open = table.as_mut().ok_or_else(|| Refused::of("the table is closed")).or_raise(py)?;
         open.append(&rows).map_err(Refused::of).or_raise(py)?;
-        let mut counts = BTreeMap::new();
-        counted(&mut counts, &rows);
-        Ok(counts)
+        let mut tally = Tally::default();
+        tally.add(&rows);
+        Ok(named(&tally))
     }
 
     /// Lets others write to it.
@@ -131,10 +129,10 @@ pub(crate) fn fleet(
 ) -> PyResult<BTreeMap<&'static str, usize>> {
     let how = how(asked).or_raise(py)?;
     unlocked(py, threads, || {
-        let counts: Mutex<BTreeMap<&'static str, usize>> = Mutex::default();
-        let told = |rows: &[Row]| counted(&mut counts.lock().unwrap_or_else(PoisonError::into_inner), rows);
+        let tally = Mutex::new(Tally::default());
+        let told = |rows: &[Row]| tally.lock().unwrap_or_else(PoisonError::into_inner).add(rows);
         let pending = Pending::of(&dataset, &out).map_err(Refused::of)?;
         pending.run(&how, &told).map_err(Refused::of)?;
-        Ok(counts.into_inner().unwrap_or_else(PoisonError::into_inner))
+        Ok(named(&tally.into_inner().unwrap_or_else(PoisonError::into_inner)))
     })
 }

@@ -51,6 +51,21 @@ pub enum Link {
     Mechanics,
 }
 
+impl Link {
+    /// All of them, in the order of the chain.
+    pub const ALL: [Self; 3] = [Self::Valve, Self::FlowAndChambers, Self::Mechanics];
+
+    /// Its name for programs.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Valve => "valve",
+            Self::FlowAndChambers => "flow-and-chambers",
+            Self::Mechanics => "mechanics",
+        }
+    }
+}
+
 impl MonitoredSignal {
     /// All of them, in the order of the chain.
     pub const ALL: [MonitoredSignal; SIGNALS] =

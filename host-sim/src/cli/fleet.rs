@@ -8,7 +8,7 @@ use comfy_table::Table;
 use serde_json::{Value, json};
 
 use diagnosis::Options;
-use fleet::{How, Judgement, Pending, Row, Upto};
+use fleet::{How, Judgement, Pending, Row, Tally, Upto};
 use recording::display_unit::{TABLE, arrange};
 use recording::files::source_error::printable;
 
@@ -16,6 +16,7 @@ use super::Outcome;
 use super::console::{Console, Tone};
 use super::ending::DOCUMENT;
 use super::error::CliError;
+use super::input::check_false_alarms;
 use super::target::{check_folder, check_targets, tell};
 
 /// Arguments of `fleet`.
@@ -81,7 +82,7 @@ impl From<UptoArgument> for Upto {
 /// What a run did.
 #[derive(Default)]
 struct Done {
-    counts: BTreeMap<Judgement, usize>,
+    tally: Tally,
     /// The rows that are not in the band.
     shown: Vec<Row>,
 }
@@ -89,18 +90,13 @@ struct Done {
 impl Done {
     /// The rows of a night.
     fn add(&mut self, rows: &[Row]) {
-        for row in rows.iter().filter(|row| row.recording.is_none()) {
-            *self.counts.entry(row.judgement).or_default() += 1;
-        }
+        self.tally.add(rows);
         self.shown.extend(rows.iter().filter(|row| row.judgement != Judgement::InBand).cloned());
     }
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Outcome, CliError> {
-    if !(arguments.false_alarms > 0.0 && arguments.false_alarms < 1.0) {
-        let (argument, expected) = ("--false-alarms", "a share between 0 and 1, such as 0.001");
-        return Err(CliError::Number { argument, found: arguments.false_alarms, expected });
-    }
+    check_false_alarms(arguments.false_alarms)?;
     check_targets(&[("--json", arguments.json.as_deref(), DOCUMENT)], &[])?;
     check_folder(&arguments.out)?;
     let how = How { upto: arguments.upto.into(), false_alarms: arguments.false_alarms, limit_s: arguments.time_limit };
@@ -121,10 +117,10 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     bar.finish_and_clear();
     ended?;
     let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
-    done.shown.sort_by(|one, other| (one.key(), &one.recording).cmp(&(other.key(), &other.recording)));
+    done.shown.sort_by(|one, other| one.order().cmp(&other.order()));
     tell(arguments.json.as_deref(), || document(arguments, &done), console)?;
-    let is_out = done.counts.keys().any(|judgement| *judgement != Judgement::InBand);
-    console.verdict(headline(&done.counts), if is_out { Tone::Bad } else { Tone::Good })?;
+    let is_out = done.tally.iter().any(|(judgement, _)| judgement != Judgement::InBand);
+    console.verdict(headline(&done.tally), if is_out { Tone::Bad } else { Tone::Good })?;
     if !done.shown.is_empty() {
         console.print(table(&done.shown, console.width))?;
     }
@@ -133,12 +129,12 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 }
 
 /// How many nights ended how.
-fn headline(counts: &BTreeMap<Judgement, usize>) -> String {
-    let all: usize = counts.values().sum();
+fn headline(tally: &Tally) -> String {
+    let all = tally.nights();
     if all == 0 {
         return "every night is in the table already".to_owned();
     }
-    let each: Vec<String> = counts.iter().map(|(judgement, count)| format!("{count} {}", judgement.name())).collect();
+    let each: Vec<String> = tally.iter().map(|(judgement, count)| format!("{count} {}", judgement.name())).collect();
     format!("{all} {}: {}", if all == 1 { "night" } else { "nights" }, each.join(", "))
 }
 
@@ -153,13 +149,12 @@ fn document(arguments: &Arguments, done: &Done) -> Value {
             "words": row.words,
         })
     };
-    let counts: BTreeMap<&str, usize> =
-        Judgement::ALL.iter().map(|one| (one.name(), done.counts.get(one).copied().unwrap_or(0))).collect();
+    let counts: BTreeMap<&str, usize> = Judgement::ALL.iter().map(|one| (one.name(), done.tally.of(*one))).collect();
     json!({
         "schema": "host-sim/fleet/1",
         "dataset": path(&arguments.dataset),
         "table": path(&arguments.out),
-        "nights": done.counts.values().sum::<usize>(),
+        "nights": done.tally.nights(),
         "verdicts": counts,
         "not_in_band": done.shown.iter().map(row).collect::<Vec<_>>(),
     })

@@ -122,6 +122,12 @@ pub(crate) fn recordings(
     found
 }
 
+/// Checks the share of a healthy drive's recordings that may leave its band by chance.
+pub(crate) fn check_false_alarms(found: f64) -> Result<(), CliError> {
+    let (argument, expected) = ("--false-alarms", "a share between 0 and 1, such as 0.001");
+    if found > 0.0 && found < 1.0 { Ok(()) } else { Err(CliError::Number { argument, found, expected }) }
+}
+
 /// A bar over the bytes of the files while they are read.
 pub(crate) fn bar(paths: &[PathBuf], console: &Console<'_>, doing: &'static str) -> Progress {
     let bytes = paths.iter().filter_map(|path| path.metadata().ok()).map(|file| file.len()).sum();

@@ -103,10 +103,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
 
 /// Checks what needs no file, and the files to write: the machine file may replace the one that it was made from.
 fn check(arguments: &Arguments) -> Result<(), CliError> {
-    if !(arguments.false_alarms > 0.0 && arguments.false_alarms < 1.0) {
-        let (argument, expected) = ("--false-alarms", "a share between 0 and 1, such as 0.001");
-        return Err(CliError::Number { argument, found: arguments.false_alarms, expected });
-    }
+    input::check_false_alarms(arguments.false_alarms)?;
     let recordings = [arguments.files.as_slice(), &arguments.healthy].concat();
     let saved = ("--save-machine", arguments.save_machine.as_deref(), MACHINE);
     let document = ("--json", arguments.json.as_deref(), DOCUMENT);

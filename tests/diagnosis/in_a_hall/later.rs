@@ -69,11 +69,6 @@ impl Pair {
     }
 }
 
-/// Parts of which there can be more.
-pub(super) fn parts() -> impl Iterator<Item = Worn> {
-    Worn::that_grow()
-}
-
 /// Where `HALL_RESUME` names a folder, what was said of a pair before is read there, and what is said of another is written there: one folder for one
 /// program.
 fn pair(worn: Worn, number: u64) -> Pair {
@@ -162,7 +157,7 @@ pub(super) fn pair_now(worn: Worn, number: u64) -> Pair {
 
 /// Every pair of the study, one of each part after the other: what is done of it says something of every part.
 pub(super) fn study() -> Vec<(Worn, u64)> {
-    (0..CHANGED + SAME).flat_map(|number| parts().map(move |worn| (worn, number))).collect()
+    (0..CHANGED + SAME).flat_map(|number| Worn::that_grow().map(move |worn| (worn, number))).collect()
 }
 
 pub(super) fn all(pairs: &[(Worn, u64)]) -> Vec<Pair> {
@@ -210,7 +205,7 @@ pub(super) fn table(pairs: &[Pair]) -> String {
             "{name:<24}{changed:>9}{named:>8}{ratio:>8}{falsely:>12}{same:>8}{unchanged:>11}{claimed:>9}"
         );
     };
-    for part in parts().map(Worn::name) {
+    for part in Worn::that_grow().map(Worn::name) {
         let of: Vec<&Pair> = pairs.iter().filter(|pair| pair.part == part).collect();
         if !of.is_empty() {
             row(part, Counts::of(of));

@@ -291,7 +291,7 @@ fn a_law_that_does_not_hold_at_other_flows_is_no_change() {
 }
 
 fn pair_of(part: &str, number: u64) -> later::Pair {
-    later::pair_now(later::parts().find(|worn| worn.name() == part).unwrap(), number)
+    later::pair_now(Worn::that_grow().find(|worn| worn.name() == part).unwrap(), number)
 }
 
 /// Slow: `cargo test --release -p system-tests --test diagnosis of_drives_that_were_recorded_again -- --ignored --nocapture`; a part of it by
@@ -301,7 +301,7 @@ fn pair_of(part: &str, number: u64) -> later::Pair {
 fn of_drives_that_were_recorded_again_what_has_changed_is_named_and_what_has_not_is_not() {
     if let Ok(part) = std::env::var("LATER") {
         let (name, numbers) = name_and_numbers(&part);
-        let parts = later::parts().filter(|worn| worn.name() == name || name == "all");
+        let parts = Worn::that_grow().filter(|worn| worn.name() == name || name == "all");
         let pairs: Vec<_> = parts.flat_map(|worn| numbers.clone().map(move |number| (worn, number))).collect();
         println!("{}", later::table(&later::all(&pairs)));
         return;

@@ -20,6 +20,6 @@ mod table;
 pub use columns::{column_of, deviation_of};
 pub use dataset::{Night, nights, nights_of};
 pub use night::{How, Upto, judge, unusable};
-pub use row::{Judgement, MISFITS, Row, Strength};
+pub use row::{Judgement, MISFITS, Row, Strength, Tally};
 pub use run::{FleetError, Pending};
 pub use table::{Table, TableError, of_parquet, rows, to_parquet};

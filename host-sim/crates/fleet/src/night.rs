@@ -19,11 +19,11 @@ use crate::row::{Judgement, MISFITS, Row, Strength};
 /// How far a night is looked into.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Upto {
-    /// Only whether the drive is in its band: milliseconds a recording.
+    /// Only whether the drive is in its band: one simulation a recording.
     Watch,
-    /// And how much there is of every effect: tenths of a second.
+    /// And how much there is of every effect: a refit.
     Refit,
-    /// And of a drive that left its band what has changed: seconds to minutes.
+    /// And of a drive that left its band what has changed: a diagnosis, where a refit does not explain it.
     #[default]
     Diagnose,
 }

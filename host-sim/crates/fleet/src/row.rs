@@ -1,5 +1,7 @@
 //! What is known of one drive after one night.
 
+use std::collections::BTreeMap;
+
 use model_core::machine::Parameter;
 use recording::Signal;
 use watch::Link;
@@ -94,5 +96,40 @@ impl Row {
     #[must_use]
     pub fn key(&self) -> (&str, &str) {
         (&self.drive, &self.night)
+    }
+
+    /// Where it stands in a table: by drive and night, that of the drive before those of its recordings.
+    pub fn order(&self) -> impl Ord + '_ {
+        (self.key(), &self.recording)
+    }
+}
+
+/// How many nights ended how. A recording that cannot be used is no night.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tally(BTreeMap<Judgement, usize>);
+
+impl Tally {
+    /// Counts the rows of whole nights.
+    pub fn add(&mut self, rows: &[Row]) {
+        for row in rows.iter().filter(|row| row.recording.is_none()) {
+            *self.0.entry(row.judgement).or_default() += 1;
+        }
+    }
+
+    /// Each way in which a night ended, with how many did.
+    pub fn iter(&self) -> impl Iterator<Item = (Judgement, usize)> {
+        self.0.iter().map(|(judgement, count)| (*judgement, *count))
+    }
+
+    /// How many nights ended so.
+    #[must_use]
+    pub fn of(&self, judgement: Judgement) -> usize {
+        self.0.get(&judgement).copied().unwrap_or(0)
+    }
+
+    /// How many nights there are.
+    #[must_use]
+    pub fn nights(&self) -> usize {
+        self.0.values().sum()
     }
 }

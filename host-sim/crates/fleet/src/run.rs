@@ -37,8 +37,8 @@ pub enum FleetError {
 /// Rows that are kept back at most before they are written.
 const KEPT_ROWS: usize = 512;
 
-/// How long rows are kept back at most, that far into a run: as much is lost when it is killed. A tenth of what it took so far, so that a long run makes no more
-/// parts than a short one makes in a minute, many times over.
+/// How long rows are kept back at most, so far into a run: as much is judged again when it is killed. A tenth of what the run took so far, and never more than
+/// 20 s: a long run then writes few parts.
 fn kept(elapsed: Duration) -> Duration {
     (elapsed / 10).clamp(Duration::from_millis(500), Duration::from_secs(20))
 }

@@ -84,9 +84,7 @@ impl Table {
         let mut known = BTreeSet::new();
         let mut next = 0;
         for part in parts(folder)? {
-            for row in rows_of(&part)? {
-                known.insert((row.drive, row.night));
-            }
+            known.extend(keys_of(&part)?);
             let number = part.file_stem().and_then(|stem| stem.to_str()?.rsplit('-').next()?.parse::<usize>().ok());
             next = next.max(number.map_or(0, |number| number + 1));
         }
@@ -126,7 +124,7 @@ pub fn rows(folder: &Path) -> Result<Vec<Row>, TableError> {
     for part in parts(folder)? {
         all.extend(rows_of(&part)?);
     }
-    all.sort_by(|one: &Row, other: &Row| (one.key(), &one.recording).cmp(&(other.key(), &other.recording)));
+    all.sort_by(|one: &Row, other: &Row| one.order().cmp(&other.order()));
     Ok(all)
 }
 
@@ -165,14 +163,6 @@ const OF_LIMIT: &str = "of_limit";
 const VERSION: &str = "version";
 const SECONDS: &str = "seconds";
 
-const fn link_name(link: Link) -> &'static str {
-    match link {
-        Link::Valve => "valve",
-        Link::FlowAndChambers => "flow-and-chambers",
-        Link::Mechanics => "mechanics",
-    }
-}
-
 /// The columns in their order: what a night is, what is said of it, how much there is of every effect.
 fn columns() -> Vec<(String, Column)> {
     let mut all = vec![
@@ -180,7 +170,7 @@ fn columns() -> Vec<(String, Column)> {
         (NIGHT.to_owned(), Column::Text(|row| Some(row.night.clone()))),
         (RECORDING.to_owned(), Column::Text(|row| row.recording.clone())),
         (VERDICT.to_owned(), Column::Text(|row| Some(row.judgement.name().to_owned()))),
-        (LINK.to_owned(), Column::Text(|row| row.link.map(|link| link_name(link).to_owned()))),
+        (LINK.to_owned(), Column::Text(|row| row.link.map(|link| link.name().to_owned()))),
         (WORDS.to_owned(), Column::Text(|row| Some(row.words.clone()))),
         (RECORDINGS.to_owned(), Column::Count(|row| i64::try_from(row.recordings).ok())),
         (OF_LIMIT.to_owned(), Column::Number(Box::new(|row| row.of_limit))),
@@ -224,6 +214,21 @@ pub fn of_parquet(name: &str, bytes: Vec<u8>) -> Result<Vec<Row>, TableError> {
 
 fn packed(rows: &[Row]) -> Result<Vec<u8>, ParquetError> {
     let columns = columns();
+    let schema = schema(&columns)?;
+    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    let mut file = Vec::new();
+    let mut writer = SerializedFileWriter::new(&mut file, Arc::new(schema), Arc::new(properties))?;
+    let mut group = writer.next_row_group()?;
+    for (_, column) in &columns {
+        put(&mut group, column, rows)?;
+    }
+    group.close()?;
+    writer.close()?;
+    Ok(file)
+}
+
+/// The schema of some of the columns.
+fn schema<'a>(columns: impl IntoIterator<Item = &'a (String, Column)>) -> Result<Type, ParquetError> {
     let field = |(name, column): &(String, Column)| {
         let physical = match column {
             Column::Text(_) => Physical::BYTE_ARRAY,
@@ -237,18 +242,8 @@ fn packed(rows: &[Row]) -> Result<Vec<u8>, ParquetError> {
             .with_logical_type(text.then_some(LogicalType::String));
         field.build().map(Arc::new)
     };
-    let fields = columns.iter().map(field).collect::<Result<Vec<_>, ParquetError>>()?;
-    let schema = Type::group_type_builder("fleet").with_fields(fields).build()?;
-    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-    let mut file = Vec::new();
-    let mut writer = SerializedFileWriter::new(&mut file, Arc::new(schema), Arc::new(properties))?;
-    let mut group = writer.next_row_group()?;
-    for (_, column) in &columns {
-        put(&mut group, column, rows)?;
-    }
-    group.close()?;
-    writer.close()?;
-    Ok(file)
+    let fields = columns.into_iter().map(field).collect::<Result<Vec<_>, ParquetError>>()?;
+    Type::group_type_builder("fleet").with_fields(fields).build()
 }
 
 /// Writes the next column.
@@ -293,43 +288,78 @@ fn read<R: ChunkReader + 'static>(part: &Path, from: R) -> Result<Vec<Row>, Tabl
     records.map(|record| row_of(&record.map_err(|error| no_part(error.to_string()))?).map_err(no_part)).collect()
 }
 
-/// A record as a row, or which column is not as it should be.
-fn row_of(record: &Record) -> Result<Row, String> {
-    let field = |name: &str| record.get_column_iter().find(|(known, _)| *known == name).map(|(_, field)| field);
-    let text = |name: &str| match field(name) {
+/// The nights of a part, whatever else it says of them: a table of years has many.
+fn keys_of(part: &Path) -> Result<Vec<(String, String)>, TableError> {
+    let no_part = |what: String| TableError::NoPart { path: part.to_owned(), what };
+    let refused = |error: ParquetError| no_part(error.to_string());
+    let file = File::open(part).map_err(|cause| TableError::Io { path: part.to_owned(), cause })?;
+    let reader = SerializedFileReader::new(file).map_err(refused)?;
+    let there = reader.metadata().file_metadata().schema_descr();
+    let is_there = |name: &str| there.columns().iter().any(|column| column.name() == name);
+    if let Some(name) = [WORDS, RECORDINGS, VERSION].into_iter().find(|name| !is_there(name)) {
+        return Err(no_part(format!("no column `{name}`")));
+    }
+    let all = columns();
+    let wanted = all.iter().filter(|(name, _)| [DRIVE, NIGHT, VERDICT].contains(&name.as_str()));
+    let records = reader.get_row_iter(Some(schema(wanted).map_err(refused)?)).map_err(refused)?;
+    let key = |record: Result<Record, ParquetError>| {
+        let record = record.map_err(refused)?;
+        judgement_of(&record).map_err(no_part)?;
+        let text = |name| needed(&record, name).map_err(no_part);
+        Ok((text(DRIVE)?, text(NIGHT)?))
+    };
+    records.map(key).collect()
+}
+
+/// A column of a record; `None` where there is none of this name.
+fn field<'a>(record: &'a Record, name: &str) -> Option<&'a Field> {
+    record.get_column_iter().find(|(known, _)| *known == name).map(|(_, field)| field)
+}
+
+fn text(record: &Record, name: &str) -> Result<Option<String>, String> {
+    match field(record, name) {
         Some(Field::Str(text)) => Ok(Some(text.clone())),
         Some(Field::Null) => Ok(None),
         _ => Err(format!("no column `{name}` of text")),
-    };
-    let needed = |name: &str| text(name)?.ok_or_else(|| format!("an empty cell in column `{name}`"));
+    }
+}
+
+fn needed(record: &Record, name: &str) -> Result<String, String> {
+    text(record, name)?.ok_or_else(|| format!("an empty cell in column `{name}`"))
+}
+
+fn judgement_of(record: &Record) -> Result<Judgement, String> {
+    let named = needed(record, VERDICT)?;
+    Judgement::parse(&named).ok_or_else(|| format!("`{named}` in column `{VERDICT}`"))
+}
+
+/// A record as a row, or which column is not as it should be.
+fn row_of(record: &Record) -> Result<Row, String> {
     // A table of an earlier version may lack an effect, and then has none of it.
-    let number = |name: &str| match field(name) {
+    let number = |name: &str| match field(record, name) {
         Some(Field::Double(value)) => Some(*value),
         _ => None,
     };
-    let named = needed(VERDICT)?;
-    let judgement = Judgement::parse(&named).ok_or_else(|| format!("`{named}` in column `{VERDICT}`"))?;
-    let links = [Link::Valve, Link::FlowAndChambers, Link::Mechanics];
-    let link = text(LINK)?.and_then(|name| links.into_iter().find(|link| link_name(*link) == name));
+    let link = text(record, LINK)?.and_then(|name| Link::ALL.into_iter().find(|link| link.name() == name));
     let strength = |&parameter: &Parameter| {
         let value = number(&column_of(parameter)?)?;
         Some(Strength { parameter, value, std: number(&deviation_of(parameter)?).unwrap_or(f64::NAN) })
     };
     Ok(Row {
-        drive: needed(DRIVE)?,
-        night: needed(NIGHT)?,
-        recording: text(RECORDING)?,
-        judgement,
+        drive: needed(record, DRIVE)?,
+        night: needed(record, NIGHT)?,
+        recording: text(record, RECORDING)?,
+        judgement: judgement_of(record)?,
         link,
-        words: needed(WORDS)?,
-        recordings: match field(RECORDINGS) {
+        words: needed(record, WORDS)?,
+        recordings: match field(record, RECORDINGS) {
             Some(Field::Long(count)) => usize::try_from(*count).unwrap_or(0),
             _ => return Err(format!("no column `{RECORDINGS}` of whole numbers")),
         },
         of_limit: number(OF_LIMIT),
         misfits: MISFITS.map(|signal| number(&misfit_column(signal))),
         strengths: Parameter::ALL.iter().filter_map(strength).collect(),
-        version: needed(VERSION)?,
+        version: needed(record, VERSION)?,
         seconds: number(SECONDS).unwrap_or(0.0),
     })
 }

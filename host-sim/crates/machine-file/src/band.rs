@@ -5,8 +5,7 @@
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
 
 use crate::error::MachineFileError;
-use crate::keys;
-use crate::reader::{NUMBER, Reader, TABLE};
+use crate::reader::{Reader, TABLE};
 use crate::writer::{number, put, table};
 
 /// The name of the table.
@@ -81,14 +80,6 @@ impl Reader<'_> {
         Ok(Band { spool: spool?, pressure: pressure?, position: position?, memory_s })
     }
 
-    /// Refuses a key that is none of these.
-    fn only(&self, table: &dyn TableLike, name: &str, known: &[&str]) -> Result<(), MachineFileError> {
-        let Some((key, _)) = table.iter().find(|(key, _)| !known.contains(key)) else { return Ok(()) };
-        let (place, nearest) = (self.key_place(table, key), keys::nearest(key, known));
-        let known = known.iter().map(|key| (*key).to_owned()).collect();
-        Err(MachineFileError::UnknownKey { place, table: name.to_owned(), key: key.to_owned(), nearest, known })
-    }
-
     fn between(
         &self,
         item: &Item,
@@ -96,11 +87,7 @@ impl Reader<'_> {
         (min, max): (f64, f64),
         unit: &'static str,
     ) -> Result<f64, MachineFileError> {
-        let value = match item.as_value() {
-            Some(Value::Float(number)) => *number.value(),
-            Some(Value::Integer(number)) => *number.value() as f64,
-            _ => return Err(self.wrong_type(item, key, NUMBER)),
-        };
+        let value = self.number(item, key)?;
         if (min..=max).contains(&value) {
             return Ok(value);
         }

@@ -2,14 +2,13 @@
 
 use std::ops::Range;
 
-use toml_edit::{Item, TableLike, Value};
+use toml_edit::{Item, TableLike};
 
 use recording::channel_map::nearest_signal;
 use recording::{Mapping, PressureZero, Scale, Signal};
 
 use crate::error::MachineFileError;
-use crate::keys;
-use crate::reader::{NUMBER, Reader};
+use crate::reader::Reader;
 
 /// The key of the zero of all pressure sensors.
 pub(crate) const PRESSURE: &str = "pressure";
@@ -92,12 +91,7 @@ impl Reader<'_> {
         place: recording::files::source_error::Place,
     ) -> Result<Mapping, MachineFileError> {
         let known = if Signal::OTHER_FLOWS.contains(&signal) { &KEYS[..] } else { &KEYS[..3] };
-        if let Some((key, _)) = sensor.iter().find(|(key, _)| !known.contains(key)) {
-            let (place, nearest) = (self.key_place(sensor, key), keys::nearest(key, known.iter().copied()));
-            let known = known.iter().map(|&key| key.to_owned()).collect();
-            let (table, key) = (name.to_owned(), key.to_owned());
-            return Err(MachineFileError::UnknownKey { place, table, key, nearest, known });
-        }
+        self.only(sensor, name, known)?;
         let Some(column) = sensor.get("column") else {
             let meaning = "the header of the column, such as \"spool_sensor [V]\"";
             return Err(MachineFileError::MissingKey { place, key: "column", unit: "1", meaning });
@@ -124,11 +118,7 @@ impl Reader<'_> {
         let Some(item) = sensor.get(key) else { return Ok(default) };
         let name = format!("{name}.{key}");
         let span: Option<Range<usize>> = item.span();
-        let value = match item.as_value() {
-            Some(Value::Float(number)) => *number.value(),
-            Some(Value::Integer(number)) => *number.value() as f64,
-            _ => return Err(self.wrong_type(item, &name, NUMBER)),
-        };
+        let value = self.number(item, &name)?;
         if value.is_finite() {
             return Ok(value);
         }

@@ -12,7 +12,7 @@ use recording::linkage::{Rises, Triangle};
 
 use crate::error::MachineFileError;
 use crate::keys;
-use crate::reader::{NUMBER, Reader};
+use crate::reader::{NUMBER, Reader, as_number};
 
 /// The table.
 pub(crate) const LINKAGE: &str = "linkage";
@@ -75,18 +75,9 @@ impl Reader<'_> {
         let array = item.as_array().ok_or_else(|| self.wrong_type(item, &name, "an array of numbers"))?;
         let number = |value: &Value| {
             let place = || self.place(value.span());
-            let found = match value {
-                Value::Float(number) => *number.value(),
-                Value::Integer(number) => *number.value() as f64,
-                other => {
-                    let found = other.type_name().to_owned();
-                    return Err(MachineFileError::WrongType {
-                        place: place(),
-                        key: name.clone(),
-                        found,
-                        expected: NUMBER,
-                    });
-                }
+            let Some(found) = as_number(value) else {
+                let (key, found) = (name.clone(), value.type_name().to_owned());
+                return Err(MachineFileError::WrongType { place: place(), key, found, expected: NUMBER });
             };
             if found.is_finite() {
                 return Ok(found);

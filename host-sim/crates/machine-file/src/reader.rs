@@ -98,6 +98,11 @@ fn source_of(file: &str, text: &str, root: &dyn TableLike) -> Result<Source, Mac
     }
 }
 
+/// A whole number, or one with a fraction.
+pub(crate) fn as_number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|number| number as f64))
+}
+
 fn span_of_key(table: &dyn TableLike, key: &str) -> Option<Range<usize>> {
     table.get_key_value(key).and_then(|(key, item)| key.span().or_else(|| item.span()))
 }
@@ -139,6 +144,19 @@ impl<'a> Reader<'a> {
     pub(crate) fn wrong_type(&self, item: &Item, key: &str, expected: &'static str) -> MachineFileError {
         let (key, found) = (key.to_owned(), item.type_name().to_owned());
         MachineFileError::WrongType { place: self.place(item.span()), key, found, expected }
+    }
+
+    /// The number of a key.
+    pub(crate) fn number(&self, item: &Item, key: &str) -> Result<f64, MachineFileError> {
+        item.as_value().and_then(as_number).ok_or_else(|| self.wrong_type(item, key, NUMBER))
+    }
+
+    /// Refuses a key that is none of these; `name` is that of the table.
+    pub(crate) fn only(&self, table: &dyn TableLike, name: &str, known: &[&str]) -> Result<(), MachineFileError> {
+        let Some((key, _)) = table.iter().find(|(key, _)| !known.contains(key)) else { return Ok(()) };
+        let (place, nearest) = (self.key_place(table, key), keys::nearest(key, known));
+        let known = known.iter().map(|key| (*key).to_owned()).collect();
+        Err(MachineFileError::UnknownKey { place, table: name.to_owned(), key: key.to_owned(), nearest, known })
     }
 
     fn table<'t>(&self, item: &'t Item, key: &str) -> Result<&'t dyn TableLike, MachineFileError> {
@@ -220,14 +238,10 @@ impl<'a> Reader<'a> {
 
     fn value(&mut self, parameter: Parameter, value: Option<&Value>, item: &Item) -> Result<(), MachineFileError> {
         let what = parameter.description();
-        let number = match value {
-            Some(Value::Float(number)) => *number.value(),
-            Some(Value::Integer(number)) => *number.value() as f64,
-            _ => {
-                let found = value.map_or(item.type_name(), Value::type_name).to_owned();
-                let place = self.place(value.map_or_else(|| item.span(), Value::span));
-                return Err(MachineFileError::WrongType { place, key: what.key.to_owned(), found, expected: NUMBER });
-            }
+        let Some(number) = value.and_then(as_number) else {
+            let found = value.map_or(item.type_name(), Value::type_name).to_owned();
+            let place = self.place(value.map_or_else(|| item.span(), Value::span));
+            return Err(MachineFileError::WrongType { place, key: what.key.to_owned(), found, expected: NUMBER });
         };
         if !(what.min..=what.max).contains(&number) {
             let (place, key) = (self.place(value.and_then(Value::span)), what.key.to_owned());
@@ -320,11 +334,7 @@ impl<'a> Reader<'a> {
                 let (table, key) = (name.to_owned(), key.to_owned());
                 return Err(MachineFileError::UnknownKey { place, table, key, nearest, known });
             };
-            let value = match item.as_value() {
-                Some(Value::Float(number)) => *number.value(),
-                Some(Value::Integer(number)) => *number.value() as f64,
-                _ => return Err(self.wrong_type(item, key, NUMBER)),
-            };
+            let value = self.number(item, key)?;
             if !(value > 0.0 && value.is_finite()) {
                 let (place, key) = (self.place(item.span()), key.to_owned());
                 return Err(MachineFileError::NotPositive { place, table: name, key, value });

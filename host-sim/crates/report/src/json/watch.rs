@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use machine_file::{Band, MachineFile, Spread};
-use watch::{Left, Link, Seen, Watched};
+use watch::{Left, Seen, Watched};
 
 use super::diagnosis::digits;
 
@@ -31,21 +31,12 @@ fn band(band: &Band) -> Value {
     })
 }
 
-/// A link, as programs name it.
-const fn name(link: Link) -> &'static str {
-    match link {
-        Link::Valve => "valve",
-        Link::FlowAndChambers => "flow-and-chambers",
-        Link::Mechanics => "mechanics",
-    }
-}
-
 fn recording(one: &Watched) -> Value {
     let left = |left: &Left| {
         json!({
             "signal": left.signal.name(),
             "unit": left.signal.si_unit().symbol(),
-            "link": name(left.link),
+            "link": left.link.name(),
             "at_s": digits(left.at_s, 6),
             "off_by": digits(left.off_by, 6),
         })

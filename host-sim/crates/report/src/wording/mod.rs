@@ -38,7 +38,7 @@ pub use tests_to_make::{look_alikes, separated_by};
 pub use tolerance::{WITHIN, at_limit, tolerated_thing, used_up};
 pub use unfinished::{best_so_far, left_out, limit_reached, not_tried, slow, spent};
 pub use unit::{notes, own_notes, unit_doubt, unit_notes};
-pub use watch::{left_at, link, share, watched};
+pub use watch::{share, watched};
 pub use worse_held_out::fit_is_worse;
 
 /// A clause with a capital letter, as a sentence begins.

@@ -4,8 +4,7 @@ use recording::display_unit::{difference, significant};
 use watch::{Left, Link, Seen, Watched};
 
 /// A link of the model, as people name it.
-#[must_use]
-pub const fn link(link: Link) -> &'static str {
+const fn link(link: Link) -> &'static str {
     match link {
         Link::Valve => "valve",
         Link::FlowAndChambers => "flow + chambers",
@@ -31,8 +30,7 @@ pub fn watched(all: &[Watched]) -> String {
 }
 
 /// Where the drive left its band.
-#[must_use]
-pub fn left_at(left: &Left) -> String {
+fn left_at(left: &Left) -> String {
     let Left { signal, link: of, at_s, off_by } = left;
     let side = if *off_by > 0.0 { "above" } else { "below" };
     let by = difference(*signal, off_by.abs());

@@ -94,7 +94,7 @@ fn attempted(shop: &Shop, number: u64, dice: &mut Noise) -> Option<OfHall> {
             let mut later = hall.clone();
             // As much as shows in the end.
             made(&mut later, worn, &runs, dice)?;
-            Some((worn, *later.effects.last()?, later, dice.below((shop.nights / 2).max(1))))
+            Some((worn, later, dice.below((shop.nights / 2).max(1))))
         }
     };
     let logger_changes = dice.happens(LOGGER_CHANGES).then(|| dice.below(shop.nights.max(1)));
@@ -108,9 +108,10 @@ fn attempted(shop: &Shop, number: u64, dice: &mut Noise) -> Option<OfHall> {
         let worn = wear
             .as_ref()
             .map_or(0.0, |(.., from)| (night as f64 - *from as f64).max(0.0) / (shop.nights - 1 - from).max(1) as f64);
-        if let Some((_, effect, later, _)) = wear.as_ref().filter(|_| worn > 0.0) {
+        if let Some((_, later, _)) = wear.as_ref().filter(|_| worn > 0.0) {
             now.effects.clone_from(&later.effects);
-            *now.effects.last_mut()? = grown(*effect, &hall, worn)?;
+            let effect = now.effects.last_mut()?;
+            *effect = grown(*effect, &hall, worn)?;
         }
         let first = dice.below(runs.len());
         let chosen = [first, (first + 1) % runs.len()].map(|index| &runs[index]);
@@ -121,7 +122,7 @@ fn attempted(shop: &Shop, number: u64, dice: &mut Noise) -> Option<OfHall> {
         }
         nights.push(OneNight { recordings, is_off, worn, oil_c });
     }
-    Some(OfHall { hall, healthy, nights, wear: wear.map(|(worn, _, _, from)| (worn, from)), logger_changes })
+    Some(OfHall { hall, healthy, nights, wear: wear.map(|(worn, _, from)| (worn, from)), logger_changes })
 }
 
 /// A run of a night; none where the rod would not have stayed inside its stroke: then that motion is left out.
@@ -133,8 +134,7 @@ fn night_of(hall: &Hall, run: &Run, change: &Change, is_off: bool) -> Option<Syn
 
 /// A worn part at a share of what there is of it in the end: dry friction grows from what the drive was commissioned with, the others from nothing.
 fn grown(effect: PlantEffect, hall: &Hall, share: f64) -> Option<PlantEffect> {
-    let sliding_n = |effect: &PlantEffect| effect.sliding_n();
-    let before_n = hall.effects.iter().find_map(sliding_n);
+    let before_n = hall.effects.iter().find_map(PlantEffect::sliding_n);
     let by = match (before_n, effect.sliding_n()) {
         (Some(before_n), Some(after_n)) => (before_n + share * (after_n - before_n)) / after_n,
         _ => share,

@@ -58,10 +58,10 @@ impl Run {
             effects.iter().map(|effect| change.oil_c.map_or(*effect, |oil_c| effect.in_oil_at(oil_c))).collect();
         let plant = Plant::new(&hall.truth, TOLERANCE).ok()?.with_effects(&effects);
         let load = change.load.later(self.before_s(hall));
-        let bench = Bench { tick_s: hall.tick_s, seed: self.seed, ..Bench::new(plant.with_load(load), hall.sensors) };
         let read = |oil_c| Thermometer { oil_c, noise_std_k: 0.2, resolution_k: 0.1 };
         let thermometer = change.oil_c.filter(|_| change.sees_oil).map(read);
-        let bench = Bench { thermometer, ..bench };
+        let (tick_s, seed, plant) = (hall.tick_s, self.seed, plant.with_load(load));
+        let bench = Bench { thermometer, tick_s, seed, ..Bench::new(plant, hall.sensors) };
         bench.record(&self.drive, &InitialState::at_rest(&hall.truth, self.start_m)).ok()
     }
 
