@@ -138,6 +138,29 @@ fn rows_are_the_same_whatever_the_threads_and_a_second_run_adds_none() {
     assert_eq!(table(here, "one").len(), one.len() + 1);
 }
 
+/// What the file holds may have become more: a refit that follows is not enough to call the drive unchanged.
+#[test]
+fn of_a_drive_whose_file_holds_a_leak_a_larger_one_is_a_change_and_the_same_is_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let healthy = |effect: &str, name: &str, seed: u32| recorded(here, name, seed, &[effect]);
+    healthy("internal-leakage=2e-12", "then", 1);
+    let text = fs::read_to_string(here.join("then/machine.toml")).unwrap();
+    fs::create_dir_all(here.join("hall/a")).unwrap();
+    let leak = "\n[effects.internal-leakage]\nconductance_m3_per_s_pa = 2.0e-12\n";
+    fs::write(here.join("with.toml"), format!("{text}{leak}")).unwrap();
+    let recordings = ["then/train-1.csv", "then/train-2.csv", "then/train-3.csv"];
+    let learn = ["watch", "--machine", "with.toml", "--save-machine", "hall/a/machine.toml", "--healthy"];
+    done(here, &learn.into_iter().chain(recordings).collect::<Vec<_>>());
+    healthy("internal-leakage=2e-12", "hall/a/1", 2);
+    healthy("internal-leakage=2.6e-12", "hall/a/2", 3);
+    done(here, &["fleet", "hall", "--out", "table"]);
+    let all = table(here, "table");
+    let [same, more] = &all[..] else { panic!("{all:#?}") };
+    assert!(matches!(same.judgement, Judgement::InBand | Judgement::Unchanged), "{same:?}");
+    assert!(more.judgement == Judgement::Changed && more.words.contains("internal-leakage rose"), "{more:?}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_killed_goes_on_where_it_was_without_a_row_lost_or_twice() {

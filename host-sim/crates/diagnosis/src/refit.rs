@@ -7,7 +7,7 @@ use identification::fit::{
     fit_with_progress, inflation, level_at_rest, most_evaluations, softened_all, staged, with_channel_tolerances,
 };
 use machine_file::MachineFile;
-use model_core::machine::{Machine, Tick};
+use model_core::machine::{Machine, Parameter, Tick};
 use recording::Recording;
 
 use crate::agreement::{FarValue, Tolerated, far_values, has_sensor, not_tolerated, tolerated};
@@ -27,6 +27,8 @@ pub struct Refitting {
     prepared: Vec<Prepared>,
     held_out: Vec<Prepared>,
     free: Vec<Free>,
+    /// The amounts of effects that may have changed.
+    changeable: Vec<Parameter>,
     near: Fit,
 }
 
@@ -41,6 +43,8 @@ pub struct Refit {
     pub estimates: Vec<Estimate>,
     /// What the fit used of tolerances.
     pub tolerated: Vec<Tolerated>,
+    /// The amounts of effects that may have changed, where the drive was fitted before.
+    pub changeable: Vec<Parameter>,
     /// Amounts of effects that these recordings tell, with their standard deviations: what they do not tell is not among them.
     pub strengths: Vec<Estimate>,
     /// Values far from their nominal ones.
@@ -57,10 +61,30 @@ pub struct Refit {
     pub shown: Vec<Shown>,
 }
 
+impl Refit {
+    /// Whether what is of the oil and of the day is all that is different since the drive was fitted before. It follows as well as its sensors read, no value
+    /// has come to an end of what is known of it, and of every effect that may have changed the recordings tell that there is as much as before.
+    #[must_use]
+    pub fn is_of_the_day(&self) -> bool {
+        let is_used_up = |one: &Tolerated| one.at_limit || one.left_then.is_some();
+        let has_kept = |parameter: &Parameter| {
+            let told = self.strengths.iter().find(|one| one.parameter == *parameter);
+            let free = self.base_parameters.iter().find(|free| free.parameter == *parameter);
+            // An amount that jumps is not refitted: only a search tells it.
+            told.zip(free).is_some_and(|(told, free)| {
+                free.near().is_some_and(|most| (told.value - free.nominal()).abs() <= 0.5 * most)
+            })
+        };
+        let follows = self.converged && !self.left.iter().any(Miss::is_above_noise);
+        let is_known = self.far_values.is_empty() && !self.tolerated.iter().any(is_used_up);
+        follows && is_known && self.changeable.iter().all(has_kept)
+    }
+}
+
 impl Refitting {
     /// Prepares the recordings and searches coarsely, from the machine file's values.
     pub fn of(file: &MachineFile, recordings: &[Recording], tick: Option<Tick>) -> Result<Self, DiagnoseError> {
-        Self::with(file, recordings, tick, |sheet, _| sheet)
+        Self::with(file, recordings, tick, |sheet, _| (sheet, Vec::new()))
     }
 
     /// The same of a drive that was fitted before: what is of the oil and of the day may move, the rest as far as it is known since then, and the effects
@@ -68,7 +92,8 @@ impl Refitting {
     pub fn since(file: &MachineFile, recordings: &[Recording], tick: Option<Tick>) -> Result<Self, DiagnoseError> {
         Self::with(file, recordings, tick, |sheet, prepared| {
             let on = held(file, &sheet);
-            Moves::of(file, &sheet, Some(&on), prepared).free
+            let moves = Moves::of(file, &sheet, Some(&on), prepared);
+            (moves.free, moves.changeable.iter().map(|amount| amount.parameter).collect())
         })
     }
 
@@ -76,16 +101,16 @@ impl Refitting {
         file: &MachineFile,
         recordings: &[Recording],
         tick: Option<Tick>,
-        free: impl FnOnce(Vec<Free>, &[Prepared]) -> Vec<Free>,
+        moves: impl FnOnce(Vec<Free>, &[Prepared]) -> (Vec<Free>, Vec<Parameter>),
     ) -> Result<Self, DiagnoseError> {
         let mut prepared: Vec<Prepared> = Vec::new();
         for recording in recordings {
             prepared.push(Prepared::new(recording, &file.machine, file.load_source, tick)?);
         }
         share_range_ends(&mut prepared.iter_mut().collect::<Vec<_>>());
-        let free = free(base_parameters(file), &prepared);
+        let (free, changeable) = moves(base_parameters(file), &prepared);
         let near = near(&file.machine, &free, &mut prepared)?;
-        Ok(Self { file: file.clone(), prepared, held_out: Vec::new(), free, near })
+        Ok(Self { file: file.clone(), prepared, held_out: Vec::new(), free, changeable, near })
     }
 
     /// With recordings that take no part in the fit and show what it is worth. They learn from the others where a sensor's range ends, not the reverse.
@@ -118,7 +143,7 @@ impl Refitting {
 
     /// Searches; `told` is given the rows of a recording after each of its evaluations.
     pub fn search(self, told: &(dyn Fn(usize) + Sync)) -> Result<Refit, DiagnoseError> {
-        let Self { mut file, prepared, held_out, free, near } = self;
+        let Self { mut file, prepared, held_out, free, changeable, near } = self;
         let nominal = file.machine;
         let cases: Vec<&Prepared> = prepared.iter().collect();
         let from = From { solution: Some(&near), ..From::default() };
@@ -141,6 +166,7 @@ impl Refitting {
         Ok(Refit {
             estimates: not_tolerated(&free, &estimates),
             tolerated: within,
+            changeable,
             strengths: strengths(&free, &estimates),
             far_values,
             correlations: fitted.correlations(inflation),

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use diagnosis::agreement::Tolerated;
 use diagnosis::localisation::Miss;
 use diagnosis::{Diagnosis, Options, Refit, Refitting, Verdict, diagnose_with};
 use identification::fit::Estimate;
@@ -123,7 +122,7 @@ fn judged(night: &Night, how: &How, unusable: &mut Vec<Unusable>) -> Result<Row,
     if how.upto == Upto::Refit || left.is_none() {
         return Ok(refitted(row, &refit));
     }
-    if is_of_the_day(&refit) {
+    if refit.is_of_the_day() {
         let words = format!("unchanged: refitted to the oil and the day, it follows; {}", row.words);
         return Ok(refitted(Row { judgement: Judgement::Unchanged, words, ..row }, &refit));
     }
@@ -163,14 +162,6 @@ fn watched(
 fn refit(file: &MachineFile, recordings: &[Recording]) -> Result<Refit, String> {
     let refit = Refitting::since(file, recordings, None).and_then(|refitting| refitting.search(&|_| ()));
     refit.map_err(|error| error.to_string())
-}
-
-/// Whether what is of the oil and of the day is all that is different: the drive follows as well as its sensors read, and no value has come to an end of what
-/// is known of it.
-fn is_of_the_day(refit: &Refit) -> bool {
-    let follows = !refit.left.iter().any(Miss::is_above_noise);
-    let is_used_up = |one: &Tolerated| one.at_limit || one.left_then.is_some();
-    follows && refit.far_values.is_empty() && !refit.tolerated.iter().any(is_used_up) && refit.converged
 }
 
 /// How much there is of every effect.
