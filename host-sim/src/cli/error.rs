@@ -87,6 +87,19 @@ pub enum CliError {
     #[cfg(feature = "fleet")]
     #[error(transparent)]
     Fleet(#[from] fleet::FleetError),
+    /// An argument of `--limit`.
+    #[cfg(feature = "fleet")]
+    #[error("--limit: {0}")]
+    Limit(#[from] trend::LimitError),
+    /// A table that says nothing of wear.
+    #[cfg(feature = "fleet")]
+    #[error("{}: {cause}", table.display())]
+    Trend {
+        /// The table.
+        table: PathBuf,
+        /// Why.
+        cause: trend::WearError,
+    },
     /// The machine and the recordings cannot be watched.
     #[error("{machine}: {cause}{}", if matches!(**cause, WatchError::NoBand) { "; expected one, or --healthy with recordings of the healthy drive" } else { "" })]
     Watch {

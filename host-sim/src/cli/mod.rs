@@ -37,6 +37,8 @@ pub mod studio;
 mod target;
 #[cfg(feature = "virtual-plant")]
 pub mod testbed;
+#[cfg(feature = "fleet")]
+pub mod trend;
 pub mod watch;
 
 use std::io::Write;
@@ -99,6 +101,9 @@ pub enum Command {
     /// Judge the recordings of many drives, night by night, into a table: which has changed, in what, how much.
     #[cfg(feature = "fleet")]
     Fleet(fleet::Arguments),
+    /// Say from a table of nights what wears: since when, how fast, and when it reaches its limit.
+    #[cfg(feature = "fleet")]
+    Trend(trend::Arguments),
     /// Find what a model lacks: where, which physics, and how much better it fits with it.
     Diagnose(diagnose::Arguments),
     /// Read a valve's static characteristic off a sweep, a table of means or runs, without a clock.
@@ -141,6 +146,8 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<Outcome, CliE
         Command::Watch(arguments) => watch::run(arguments, console),
         #[cfg(feature = "fleet")]
         Command::Fleet(arguments) => fleet::run(arguments, console),
+        #[cfg(feature = "fleet")]
+        Command::Trend(arguments) => trend::run(arguments, console),
         Command::Diagnose(arguments) => diagnose::run(arguments, console),
         Command::Statics(arguments) => statics::run(arguments, console),
         Command::Plan(arguments) => plan::run(arguments, console),

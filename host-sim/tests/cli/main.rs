@@ -38,6 +38,7 @@ mod studio;
 mod targets;
 mod terminal;
 mod testbed;
+mod trend;
 mod troubles;
 mod watch;
 

@@ -87,11 +87,13 @@ fn the_document_of_every_command_holds_to_its_published_schema() {
     check(&["paper"]);
     let healthy = ["1", "2", "3"].map(|k| example(&format!("train-{k}.csv")));
     let healthy: Vec<&str> = healthy.iter().map(String::as_str).collect();
-    std::fs::create_dir_all(here.join("hall/press/n")).unwrap();
-    std::fs::copy(&holdout, here.join("hall/press/n/1.csv")).unwrap();
+    std::fs::create_dir_all(here.join("hall/press/2026-11-30")).unwrap();
+    std::fs::copy(&holdout, here.join("hall/press/2026-11-30/1.csv")).unwrap();
     let saved = ["--save-machine", "hall/press/machine.toml"];
     check(&[&["watch", &holdout, "--healthy"][..], &healthy, &drive, &saved].concat());
     check(&["fleet", "hall", "--upto", "watch", "--out", "rows"]);
+    super::trend::worn(&here.join("worn"));
+    check(&["trend", "worn", "--limit", "internal_leakage_conductance_m3_per_s_pa=6e-12"]);
     sweep(here, "a.csv");
     sweep(here, "b.csv");
     let columns = ["--input", "I", "--output", "Q"];

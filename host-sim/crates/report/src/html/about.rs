@@ -14,7 +14,7 @@ pub struct About {
 }
 
 /// Recordings by what they were used for.
-pub(crate) type Used<'a> = [(&'static str, Vec<&'a str>)];
+pub type Used<'a> = [(&'static str, Vec<&'a str>)];
 
 /// As many recordings are named; of more only how many.
 const NAMED: usize = 12;
@@ -24,7 +24,7 @@ pub(crate) fn about(about: &About, recordings: &Used<'_>) -> Markup {
     let counted = recordings.iter().map(|(_, names)| names.len()).sum::<usize>();
     html! {
         details class="about" {
-            summary { @if let Some(written) = &about.written { (written) " · " } "host-sim " (version) " · " (counted) " recording" @if counted != 1 { "s" } }
+            summary { @if let Some(written) = &about.written { (written) " · " } "host-sim " (version) @if counted > 0 { " · " (counted) " recording" @if counted != 1 { "s" } } }
             dl {
                 @if let Some(command) = &about.command { dt { "Command" } dd { code { (command) } } }
                 @if !about.machine_files.is_empty() { dt { "Machine file" } dd { (about.machine_files.join(", ")) } }

@@ -20,7 +20,8 @@ pub(crate) fn prose(text: &str) -> Markup {
 }
 
 /// A page with this title: what stands at its top, and the rest, with a list of the rest's headings before it.
-pub(crate) fn document(title: &str, (made, recordings): (&About, &Used<'_>), top: &Markup, rest: &Markup) -> String {
+#[must_use]
+pub fn document(title: &str, (made, recordings): (&About, &Used<'_>), top: &Markup, rest: &Markup) -> String {
     let rest = with_contents(&rest.0);
     let page = html! {
         (DOCTYPE)

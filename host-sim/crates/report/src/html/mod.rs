@@ -19,7 +19,6 @@ mod style;
 
 use budget::Budget;
 use chart::{chart, over_time};
-use document::document;
 use maud::{Markup, html};
 use overlay::signals;
 
@@ -33,8 +32,9 @@ use crate::evidence::Exhibits;
 use crate::terminal::{is_structure_wrong, sentence};
 use crate::wording;
 
-pub use about::About;
+pub use about::{About, Used};
 pub use compare::{Compared, compare};
+pub use document::document;
 pub use fit::fit;
 pub use inspect::{Inspected, inspect};
 pub use overlay::overlay;

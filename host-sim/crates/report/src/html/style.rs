@@ -24,7 +24,7 @@ table { border-collapse: collapse; margin: .6rem 0; display: block; overflow-x: 
 th, td { padding: .2rem 1.2rem .2rem 0; border-bottom: 1px solid var(--line); text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 th { font-weight: 600; font-size: .875rem; } th:first-child, td:first-child, td.text, th.text { text-align: left; } tr.part td { padding-top: .6rem; font-weight: 600; } tr.part .soft { font-weight: 400; } td.text { white-space: normal; min-width: 12rem; }
 figure { margin: .8rem 0; overflow-x: auto; } figure svg { width: 100%; height: auto; display: block; }
-.overlay svg { min-width: 600px; } .chart svg { max-width: 640px; } .bars svg { max-width: 800px; min-width: 520px; }
+.whole { white-space: nowrap; } .multiples { display: grid; grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); gap: .2rem .8rem; } .multiples figure { margin: 0; } .overlay svg { min-width: 600px; } .chart svg { max-width: 640px; } .bars svg { max-width: 800px; min-width: 520px; }
 .live:not(.drawn) > svg { display: none; } .recording { margin: .8rem 0 0; } figure .panel { font-weight: 600; font-size: .875rem; margin: .5rem 0 .1rem; }
 figure .remark { font-size: .8rem; margin: .1rem 0 .2rem; padding-left: .5rem; border-left: 4px solid #e0a800; } figure .quantity { color: var(--faint); font-size: .8rem; margin: 0; } .uplot { max-width: 100%; } .uplot .u-legend { font-size: .8rem; text-align: left; margin: 0; color: var(--ink); }
 .u-legend.u-inline.u-live th::after { content: none; } .u-legend tr { margin-right: .9rem; } .uplot:not(:hover) .u-legend tr:first-child { visibility: hidden; } .u-legend th, .u-legend td { border: 0; padding: .1rem .2rem; } .u-legend td { min-width: 4.5rem; text-align: left; }

@@ -56,9 +56,15 @@ impl Bounds {
     }
 }
 
-impl Grade {
-    /// The grade of a value of an effect parameter, where a source has bounds.
-    pub(super) fn of(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<Self> {
+/// What a value is a share of.
+enum Share {
+    OfFullForce,
+    OfFullFlow,
+}
+
+impl Share {
+    /// How a parameter is judged, where a source has bounds.
+    fn of(parameter: Parameter) -> Option<(Self, &'static Bounds, Grade)> {
         use Parameter as P;
         match parameter {
             P::CoulombFriction
@@ -66,11 +72,34 @@ impl Grade {
             | P::AsymmetricExtending
             | P::AsymmetricRetracting
             | P::PositionFriction
-            | P::PreslidingForce => drive.of_full_force(value).map(|share| FRICTION.grade(share, Grade::Jammed)),
+            | P::PreslidingForce => Some((Self::OfFullForce, &FRICTION, Grade::Jammed)),
             P::InternalLeakage | P::ExternalLeakageA | P::ExternalLeakageB => {
-                Some(LEAKAGE.grade(drive.of_full_flow(value * drive.supply_pa()), Grade::Worn))
+                Some((Self::OfFullFlow, &LEAKAGE, Grade::Worn))
             }
             _ => None,
         }
     }
+
+    /// The share that a value is.
+    fn in_drive(&self, drive: &Drive<'_>, value: f64) -> Option<f64> {
+        match self {
+            Self::OfFullForce => drive.of_full_force(value),
+            Self::OfFullFlow => Some(drive.of_full_flow(value * drive.supply_pa())),
+        }
+    }
+}
+
+impl Grade {
+    /// The grade of a value of an effect parameter, where a source has bounds.
+    pub(super) fn of(drive: &Drive<'_>, parameter: Parameter, value: f64) -> Option<Self> {
+        let (share, bounds, beyond) = Share::of(parameter)?;
+        Some(bounds.grade(share.in_drive(drive, value)?, beyond))
+    }
+}
+
+/// The value beyond which the grade is the worst one. Shares are proportional to values.
+pub(super) fn worn(drive: &Drive<'_>, parameter: Parameter) -> Option<f64> {
+    let (share, bounds, _) = Share::of(parameter)?;
+    let worn = bounds.raised / share.in_drive(drive, 1.0)?;
+    worn.is_finite().then_some(worn)
 }

@@ -54,6 +54,12 @@ pub fn size(machine: &Machine<f64>, parameter: Parameter, value: f64) -> Option<
     Some(Size { amount, of, grade: Grade::of(&Drive { machine }, parameter, value) })
 }
 
+/// The magnitude from which on a cylinder is worn or jammed, by the sources of [`Grade`]; `None` where no source has a bound.
+#[must_use]
+pub fn worn(machine: &Machine<f64>, parameter: Parameter) -> Option<f64> {
+    grade::worn(&Drive { machine }, parameter)
+}
+
 /// What sizes are counted in.
 struct Drive<'a> {
     machine: &'a Machine<f64>,

@@ -49,7 +49,8 @@ pub fn change(machine: &Machine<f64>, finding: &Finding) -> Option<String> {
 }
 
 /// An effect, with the sensor or the name of the amount where it has several.
-fn whose(effect: &Hypothesis, parameter: Parameter) -> String {
+#[must_use]
+pub fn whose(effect: &Hypothesis, parameter: Parameter) -> String {
     let has_others = effect.effect_parameters().any(|own| own.is_amount() && own.parameter != parameter);
     match sensor_of(parameter) {
         _ if !has_others => effect.name.to_owned(),

@@ -21,7 +21,7 @@ mod watch;
 mod worse_held_out;
 
 pub use cause::{CAUSES, Cause, cause};
-pub use change::{TRADED, change, doubt_of_then, found, most_changed, other_oil, unchanged};
+pub use change::{TRADED, change, doubt_of_then, found, most_changed, other_oil, unchanged, whose};
 pub use comparison::{obstacle, sentences, unjudged};
 pub use doubt::{doubt, mend_first};
 pub(crate) use far_value::moved;
