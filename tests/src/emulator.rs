@@ -63,7 +63,7 @@ impl Processor {
     }
 
     fn cargo(self, verb: &str, binary: &str, features: &str) -> Command {
-        let mut cargo = cargo(verb, binary);
+        let mut cargo = cargo(verb, "release", binary);
         cargo.args(["--features", features, "--target", self.target()]);
         cargo
     }
@@ -185,13 +185,13 @@ impl Processor {
 /// A file that a binary takes in: the variable that names it, and where it is.
 pub type Taken<'a> = (&'a str, &'a Path);
 
-/// What a binary of the firmware prints on the host, with these files in place of its own.
+/// What a binary of the firmware prints on the host, with these files in place of its own. It is built as tests are: quicker, and its sums are checked.
 ///
 /// # Panics
 /// It cannot be built, or it fails.
 #[must_use]
 pub fn run_on_host(taken: &[Taken<'_>], binary: &str) -> String {
-    printed(cargo("run", binary).envs(taken.iter().copied()))
+    printed(cargo("run", "dev", binary).envs(taken.iter().copied()))
 }
 
 /// Bytes of these sections of an image.
@@ -204,11 +204,11 @@ pub fn size(image: &[u8], sections: &[&str]) -> u64 {
     sections.iter().filter_map(|name| image.section_by_name(name)).map(|section| section.size()).sum()
 }
 
-fn cargo(verb: &str, binary: &str) -> Command {
+fn cargo(verb: &str, profile: &str, binary: &str) -> Command {
     let mut cargo = Command::new(env!("CARGO"));
     // A folder of its own: the cargo that runs this test locks the usual one.
     cargo
-        .args([verb, "--quiet", "--release", "--locked", "--package", "mps2", "--bin", binary, "--target-dir"])
+        .args([verb, "--quiet", "--profile", profile, "--locked", "--package", "mps2", "--bin", binary, "--target-dir"])
         .arg(built_in("on_target"))
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
         .stdin(Stdio::null());

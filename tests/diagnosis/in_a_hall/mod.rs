@@ -1,8 +1,9 @@
 //! Drives as they stand in a hall, drawn: healthy ones, ones with a cause that no catalogue has, and ones of which one part is worn. Whatever is
 //! named on the first two is named falsely, and on the others whatever is not the worn part.
 //!
-//! What is known of each is its data sheet; what it is lies within that ([`Hall`]), and what it has beyond within its drawing . They are recorded for as short as such recordings
+//! What is known of each is its data sheet; what it is lies within that ([`Hall`]), and what it has beyond within its drawing. They are recorded for as short as such recordings
 //! are ([`runs`]). Each cause is one that the recordings show ([`outside`]), each worn part too ([`Worn`]). The table beside this folder is a snapshot.
+//! Cases that were once confused and take a minute: `cargo test --release -p system-tests --test diagnosis in_a_hall -- --ignored --skip of_drives`.
 
 mod later;
 mod outside;
@@ -237,6 +238,7 @@ fn a_healthy_drive_lacks_nothing_where_its_training_recordings_are_too_narrow() 
 
 /// Position alone: a leak of 0.05 % of full flow gained by left-out recordings alone.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn a_healthy_drive_whose_position_alone_is_measured_does_not_leak() {
     let said = said(Matter::Nothing, 0);
     assert!(said.claims.is_empty(), "{}", said.line());
@@ -271,6 +273,7 @@ fn a_leak_that_fell_is_told_where_the_base_parameters_can_make_up_for_it() {
 
 /// The base ends at its noise, with the amount at the end of what is known of it.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn a_change_is_told_where_the_base_parameters_make_up_for_it_down_to_the_noise() {
     let pair = pair_of("external-leakage", 8);
     assert!(pair.is_right(), "{}", pair.line());
@@ -278,6 +281,7 @@ fn a_change_is_told_where_the_base_parameters_make_up_for_it_down_to_the_noise()
 
 /// The mean of the overlaps changes with their difference.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn an_edge_that_has_worn_is_told() {
     let pair = pair_of("dead-zone-asymmetry", 9);
     assert!(pair.is_right(), "{}", pair.line());
