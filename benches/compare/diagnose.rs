@@ -7,6 +7,7 @@ use std::path::Path;
 use diagnosis::selection::excerpt::AFFORDABLE_TICKS;
 
 use crate::child::{self, Took};
+use crate::growth::exponent;
 use crate::machine;
 use crate::page::{Part, table};
 
@@ -52,17 +53,6 @@ fn line(what: String, took: &Took) -> Vec<String> {
         format!("{:.0}", took.peak_mb),
         named.to_owned(),
     ]
-}
-
-/// The exponent of growth: the slope of the straight line through the logarithms, of time over size.
-fn exponent(points: &[(f64, f64)]) -> f64 {
-    let logarithms: Vec<(f64, f64)> = points.iter().map(|(size, time)| (size.ln(), time.ln())).collect();
-    let count = logarithms.len() as f64;
-    let (x, y) = logarithms.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / count, y + point.1 / count));
-    let (above, below) = logarithms.iter().fold((0.0, 0.0), |(above, below), point| {
-        (above + (point.0 - x) * (point.1 - y), below + (point.0 - x).powi(2))
-    });
-    above / below
 }
 
 /// The exponent over the sizes that are searched completely, and over all sizes; a size is this number of seconds at 1 kHz.

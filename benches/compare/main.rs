@@ -8,6 +8,8 @@ mod child;
 mod desktop;
 mod diagnose;
 mod fit;
+mod fleet;
+mod growth;
 mod machine;
 mod names;
 mod page;
@@ -23,18 +25,19 @@ use page::{Page, Part};
 /// A part of the comparison by its name on the command line.
 type Measured = fn() -> Result<Part, Box<dyn Error>>;
 
-const PARTS: [(&str, Measured); 5] = [
+const PARTS: [(&str, Measured); 6] = [
     ("desktop", desktop::part),
     ("target", target::part),
     ("fit", fit::part),
     ("diagnose", diagnose::part),
     ("names", names::part),
+    ("fleet", fleet::part),
 ];
 
 fn measured(wanted: &[String]) -> Result<(), Box<dyn Error>> {
     let of_name = |name: &str| PARTS.iter().find(|(known, _)| *known == name);
     if let Some(unknown) = wanted.iter().find(|name| of_name(name).is_none()) {
-        return Err(format!("{unknown} is none of desktop, target, fit, diagnose, names").into());
+        return Err(format!("{unknown} is none of desktop, target, fit, diagnose, names, fleet").into());
     }
     let mut page = Page::of_this_machine()?;
     for (name, part) in PARTS {

@@ -32,7 +32,7 @@ pub(crate) struct Page {
 
 const HEAD: &str = "# What it costs\n\n\
     Written by `benches/run`, which measures all of it anew and installs the opponents; `benches/run fit` prints a part (desktop, target, fit,\n\
-    diagnose, names) and writes nothing. The opponents are not in this repository (`peers/speed` in `$HOST_SIM_SHARED`, PySINDy from PyPI);\n\
+    diagnose, names, fleet) and writes nothing. The opponents are not in this repository (`peers/speed` in `$HOST_SIM_SHARED`, PySINDy from PyPI);\n\
     without them our side alone is printed. Times are the shortest of rounds in which all take turns, where nothing else is said, and only ratios\n\
     within a run say something. Other programs that compute take cores away: beside a load of 1 or more, two threads on two cores show little.\n\
     Growth of instructions is what `benches/instructions.txt` and its test are for.\n";

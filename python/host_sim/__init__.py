@@ -14,9 +14,9 @@ Columns of recordings and tables carry their unit in the header: "position [mm]"
 """
 
 from ._commands import compare, diagnose, fit, inspect, plan, simulate
-from ._fleet import FleetRun, fleet
+from ._fleet import FleetNight, FleetRun, fleet, fleet_nights, fleet_part
 from ._machine import Machine
-from ._native import Error, __version__
+from ._native import Error, FleetTable, __version__
 from ._recordings import Recording, read
 from ._results import (
     Comparison,
@@ -37,7 +37,9 @@ __all__ = [
     "Error",
     "Finding",
     "Fit",
+    "FleetNight",
     "FleetRun",
+    "FleetTable",
     "Inspection",
     "Machine",
     "Parameter",
@@ -51,6 +53,8 @@ __all__ = [
     "diagnose",
     "fit",
     "fleet",
+    "fleet_nights",
+    "fleet_part",
     "inspect",
     "plan",
     "read",

@@ -12,13 +12,28 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, Union
+from typing import Any, Literal, NamedTuple, Union
 
 from . import _native
 
 Upto = Literal["watch", "refit", "diagnose"]
-Night = tuple[str, str, "_native.Path", "list[_native.Path]", "_native.Path | None"]
 How = tuple[str, float, float]
+
+
+class FleetNight(NamedTuple):
+    """One drive and one night: a piece of work that knows nothing of the others, and may be sent anywhere."""
+
+    drive: str
+    """The drive's name."""
+    night: str
+    """The night's name."""
+    machine: Path
+    """The drive's machine file; it may not be there."""
+    recordings: list[Path]
+    """The night's recordings."""
+    twin: Path | None
+    """Another folder of the same name; then neither can be used."""
+
 
 _KEPT_S = 5.0
 """How long parts are kept back at most before they are written: as much is lost when the run is killed."""
@@ -74,19 +89,39 @@ def fleet(
     return FleetRun(os.fspath(out), _on_workers(client, os.fspath(dataset), Path(out), how, threads, dict(storage_options or {})))
 
 
-def _nights(dataset: str, storage: dict[str, Any]) -> tuple[list[Night], bool]:
+def fleet_nights(dataset: Union[str, "os.PathLike[str]"]) -> list[FleetNight]:
+    """Every night of every drive in a folder, in the order of their names; paths are absolute, since workers may stand in another folder."""
+    return [FleetNight(*night) for night in _native.nights(Path(dataset).absolute())]
+
+
+def fleet_part(
+    night: FleetNight,
+    *,
+    upto: Upto = "diagnose",
+    false_alarms: float = 1e-3,
+    time_limit_s: float = 300.0,
+    threads: int | None = None,
+) -> bytes:
+    """The rows of one night as the bytes of a Parquet file: what a worker of any engine computes.
+
+    Whatever is wrong with the night is a row with the reason. The arguments are those of :func:`fleet`.
+    """
+    return _native.judge(night, (str(upto), float(false_alarms), float(time_limit_s)), threads)
+
+
+def _nights(dataset: str, storage: dict[str, Any]) -> tuple[list[FleetNight], bool]:
     """The nights of a data set, and whether its files have to be fetched first."""
     if "://" not in dataset:
         # Workers may stand in another folder.
-        return _native.nights(Path(dataset).absolute()), False
+        return fleet_nights(dataset), False
     import fsspec
 
     files, root = fsspec.core.url_to_fs(dataset, **storage)
     below = [path[len(root) :].lstrip("/") for path in files.find(root)]
-    return _native.nights_of(Path(root), below), True
+    return [FleetNight(*night) for night in _native.nights_of(Path(root), below)], True
 
 
-def _judged(night: Night, how: How, threads: int | None, source: tuple[str, dict[str, Any]] | None) -> bytes:
+def _judged(night: FleetNight, how: How, threads: int | None, source: tuple[str, dict[str, Any]] | None) -> bytes:
     """The rows of a night as a part of a table; on a worker."""
     if source is None:
         return _native.judge(night, how, threads)
@@ -96,14 +131,14 @@ def _judged(night: Night, how: How, threads: int | None, source: tuple[str, dict
     drive, name, machine, recordings, twin = night
     with tempfile.TemporaryDirectory() as folder:
 
-        def fetched(path: _native.Path) -> Path:
+        def fetched(path: Path) -> Path:
             here = Path(folder) / Path(path).name
             # What cannot be fetched is missing, which the row says.
             if files.exists(os.fspath(path)):
                 files.get_file(os.fspath(path), os.fspath(here))
             return here
 
-        near: Night = (drive, name, fetched(machine), [fetched(path) for path in recordings], twin)
+        near = FleetNight(drive, name, fetched(machine), [fetched(path) for path in recordings], twin)
         return _native.judge(near, how, threads)
 
 
@@ -144,7 +179,7 @@ def _on_workers(
         table.close()
 
 
-def _part(future: Any, night: Night) -> bytes:
+def _part(future: Any, night: FleetNight) -> bytes:
     """What a worker made of a night; that of a night on which workers die is a row that says so."""
     error = future.exception()
     if error is None:

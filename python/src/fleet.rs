@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use ::fleet::{How, Night, Pending, Row, Tally, Upto, of_parquet, to_parquet};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyTuple};
 use report::refused::Refused;
 
 use crate::error::OrRaise;
@@ -73,7 +73,7 @@ pub(crate) fn unusable(py: Python<'_>, one: Passed, reason: String) -> PyResult<
 }
 
 /// A table that rows are appended to; while it is open, no other run writes to it.
-#[pyclass(module = "host_sim._native")]
+#[pyclass(module = "host_sim")]
 #[derive(Debug)]
 pub(crate) struct FleetTable {
     table: Mutex<Option<::fleet::Table>>,
@@ -110,6 +110,15 @@ impl FleetTable {
         let mut tally = Tally::default();
         tally.add(&rows);
         Ok(named(&tally))
+    }
+
+    fn __enter__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    #[pyo3(signature = (*_error))]
+    fn __exit__(&self, _error: &Bound<'_, PyTuple>) {
+        self.close();
     }
 
     /// Lets others write to it.

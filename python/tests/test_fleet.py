@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import shutil
 import signal
 import threading
 import time
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
 import pytest
-from conftest import CASE, HOLDOUT, TRAIN
+from conftest import CASE, HOLDOUT, ROOT, TRAIN
 
 import host_sim
 
@@ -116,4 +119,37 @@ def test_a_bucket_is_a_path(hall: Path, expected: pd.DataFrame, tmp_path: Path) 
     # A reason names the machine file, which lies elsewhere.
     usable = found["verdict"] != "unusable"
     pd.testing.assert_frame_equal(found[usable], expected[usable])
+    assert list(found["verdict"]) == list(expected["verdict"])
+
+
+def test_any_engine_can_judge_the_nights_and_one_process_keeps_them(hall: Path, expected: pd.DataFrame, tmp_path: Path) -> None:
+    # Not forked: a copy of this process has its threads' locks and not its threads.
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool, host_sim.FleetTable(tmp_path / "table") as table:
+        parts = pool.map(partial(host_sim.fleet_part, upto="refit", threads=1), host_sim.fleet_nights(hall))
+        assert sum(table.append([part]).get("unusable", 0) for part in parts) == NIGHTS
+    pd.testing.assert_frame_equal(rows(tmp_path / "table"), expected)
+
+
+def told(section: str) -> str:
+    """The program that the book shows under this heading."""
+    text = (ROOT / "docs" / "fleet.md").read_text(encoding="utf-8")
+    return text.split(f"## {section}\n", 1)[1].split("```python\n", 1)[1].split("```", 1)[0]
+
+
+@pytest.mark.parametrize("engine, needs", [("With Ray", "ray"), ("With Spark", "pyspark")])
+def test_the_books_programs_for_other_engines_make_the_same_rows(
+    engine: str, needs: str, hall: Path, expected: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip(needs)
+    if needs == "pyspark" and shutil.which("java") is None:
+        pytest.skip("pyspark is there, and no Java for it")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "hall").symlink_to(hall)
+    exec(compile(told(engine).replace('upto="diagnose"', 'upto="refit"'), engine, "exec"), {})
+    found = pd.concat(pd.read_parquet(part) for part in sorted((tmp_path / "table").glob("part-*.parquet")))
+    found = found.drop(columns="seconds", errors="ignore").sort_values(["drive", "night", "recording"], na_position="first")
+    found = found.reset_index(drop=True)
+    # A reason names the machine file, by the folder that was given.
+    usable = expected["verdict"] != "unusable"
+    pd.testing.assert_frame_equal(found[usable], expected.loc[usable, found.columns], check_dtype=False)
     assert list(found["verdict"]) == list(expected["verdict"])

@@ -118,12 +118,18 @@ fn truth(drive: &OfHall) -> Value {
             "is_off": one.is_off,
             "recordings": one.recordings.len(),
             "worn_share": one.worn,
+            "amount": one.amount,
             "oil_c": one.oil_c,
         })
     };
-    let wear = drive.wear.as_ref().map(
-        |(worn, from)| json!({ "effect": worn.name(), "also_right": worn.right(), "from": date_of(*from).to_string() }),
-    );
+    let wear = drive.wear.as_ref().map(|wear| {
+        json!({
+            "effect": wear.worn.name(),
+            "also_right": wear.worn.right(),
+            "from": date_of(wear.from).to_string(),
+            "amounts": wear.amounts.iter().map(|amount| amount.description().key).collect::<Vec<_>>(),
+        })
+    });
     json!({
         "drive": drive.hall.file.name,
         "wear": wear,

@@ -161,6 +161,28 @@ fn of_a_drive_whose_file_holds_a_leak_a_larger_one_is_a_change_and_the_same_is_n
     assert!(more.judgement == Judgement::Changed && more.words.contains("internal-leakage rose"), "{more:?}");
 }
 
+/// No file may become longer than a block: as on a full disk.
+#[cfg(unix)]
+#[test]
+fn where_the_table_cannot_grow_it_stays_as_it_was_and_the_same_command_goes_on() {
+    let folder = hall();
+    let here = folder.path();
+    let arguments = ["fleet", "hall", "--upto", "watch", "--out", "table"];
+    let full = std::process::Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_host-sim")])
+        .args(arguments)
+        .current_dir(here)
+        .output()
+        .unwrap();
+    let said = text(&full.stderr);
+    assert!(full.status.code() == Some(2) && said.contains("part-000000.parquet"), "{said}");
+    assert!(table(here, "table").is_empty());
+    let left = fs::read_dir(here.join("table")).unwrap().map(|entry| entry.unwrap().file_name());
+    assert_eq!(left.collect::<Vec<_>>(), [".lock"], "nothing half-written");
+    done(here, &arguments);
+    assert!(!table(here, "table").is_empty());
+}
+
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_killed_goes_on_where_it_was_without_a_row_lost_or_twice() {

@@ -6,6 +6,7 @@
 //! Cases that were once confused and take a minute: `cargo test --release -p system-tests --test diagnosis in_a_hall -- --ignored --skip of_drives`.
 
 mod later;
+mod nights;
 mod outside;
 mod table;
 
@@ -315,6 +316,20 @@ fn of_drives_that_were_recorded_again_what_has_changed_is_named_and_what_has_not
     let of = later::Counts::of(&pairs);
     assert!(100 * of.named >= 95 * of.changed, "{} of {}", of.named, of.changed);
     assert!(100 * of.claimed <= 2 * of.same, "{} of {}", of.claimed, of.same);
+}
+
+/// Slow: `cargo test --release -p system-tests --test diagnosis of_a_hall_night_by_night -- --ignored --nocapture`; another hall by `NIGHTS="40 30 2"` (drives,
+/// nights, seed) before that. In pieces: `HALL_RESUME=folder` before each.
+#[test]
+#[ignore = "some hours"]
+fn of_a_hall_night_by_night_what_wears_is_named_in_time_and_healthy_drives_stay_quiet() {
+    let hall = std::env::var("NIGHTS").unwrap_or_else(|_| "200 30 1".into());
+    let [drives, nights, seed] = hall.split(' ').collect::<Vec<_>>()[..] else { panic!("NIGHTS={hall}") };
+    let own = tempfile::tempdir().unwrap();
+    let folder = std::env::var("HALL_RESUME").map_or_else(|_| own.path().to_owned(), Into::into);
+    let all = nights::Nights::of(&folder, (drives, nights, seed));
+    println!("{}", all.table());
+    assert!(all.is_reached(), "{all:#?}");
 }
 
 /// Slow: `cargo test --release -p system-tests --test diagnosis of_drives_in_a_hall -- --ignored --nocapture`; a part of it, with each case written

@@ -1,6 +1,6 @@
 //! What wears: how much there is of every effect over months, since when it changes, how fast, and when it reaches its limit.
 //!
-//! A [`Trend`] is the amount of one effect of one drive, night by night: pieces between [change points](mod@pieces), each a level or a straight
+//! A [`Trend`] is the amount of one effect of one drive, night by night: pieces between change points ([`Piece`]), each a level or a straight
 //! [`Line`]. [`wears`] makes one of every amount in the rows of a [fleet]'s table, with its limit, the most urgent first; [`page`] shows them.
 #![forbid(unsafe_code)]
 // Results are returned: only the program prints.

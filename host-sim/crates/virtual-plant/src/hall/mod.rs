@@ -11,7 +11,7 @@ mod visibility;
 mod worn;
 
 pub use drive::Hall;
-pub use nights::{OfHall, OneNight, Shop, of_hall};
+pub use nights::{OfHall, OneNight, Shop, Wear, of_hall};
 pub use recordings::{Change, DURATION_S, RECORDINGS, Run, name, recorded, runs, stays_inside};
 pub use visibility::{channel, shows};
 pub use worn::{Worn, made, times};

@@ -3,11 +3,12 @@
 //! A drive is commissioned with four motions on each of three days, and then repeats two of those motions each night. It is what its data sheet can mean and no more is known of it. A part that wears
 //! does so from one night on, by as much every night.
 
+use model_core::machine::Parameter;
 use recording::seeded_noise::Noise;
 
 use super::drive::Hall;
 use super::recordings::{Change, Run, recorded, runs, stays_inside};
-use super::worn::{Worn, made, times};
+use super::worn::{Worn, amount, made, times};
 use crate::effect::PlantEffect;
 use crate::effect::oil::OilGrade;
 use crate::rig::recorded::SyntheticRecording;
@@ -30,10 +31,21 @@ pub struct OfHall {
     pub healthy: Vec<SyntheticRecording>,
     /// Its nights.
     pub nights: Vec<OneNight>,
-    /// The part that wears, by the names that are right for it, and from which night on.
-    pub wear: Option<(Worn, usize)>,
+    /// What wears.
+    pub wear: Option<Wear>,
     /// The night from which on its logger writes another format.
     pub logger_changes: Option<usize>,
+}
+
+/// A part that wears.
+#[derive(Clone, Copy, Debug)]
+pub struct Wear {
+    /// The part, by the names that are right for it.
+    pub worn: Worn,
+    /// From which night on.
+    pub from: usize,
+    /// The amounts of a machine file that say how much there is of it; none where its form shares no number with it.
+    pub amounts: &'static [Parameter],
 }
 
 /// What one night of a drive is.
@@ -45,6 +57,8 @@ pub struct OneNight {
     pub is_off: bool,
     /// How much of the worn part there is, as a share of what there is of it in the last night.
     pub worn: f64,
+    /// How much of it there is, SI, where a machine file has an amount of it.
+    pub amount: Option<f64>,
     /// Temperature of the oil, °C.
     pub oil_c: f64,
 }
@@ -99,6 +113,9 @@ fn attempted(shop: &Shop, number: u64, dice: &mut Noise) -> Option<OfHall> {
     };
     let logger_changes = dice.happens(LOGGER_CHANGES).then(|| dice.below(shop.nights.max(1)));
     let season = dice.uniform(0.0, std::f64::consts::TAU);
+    // At an opening of 0.4 and half the supply, m³/s.
+    let usual_m3_per_s =
+        0.4 * hall.truth.get(Parameter::FlowCoefficient) * (0.5 * hall.truth.get(Parameter::SupplyPressure)).sqrt();
     let mut nights = Vec::new();
     for night in 0..shop.nights {
         let turned = season + std::f64::consts::TAU * night as f64 / 60.0;
@@ -108,10 +125,12 @@ fn attempted(shop: &Shop, number: u64, dice: &mut Noise) -> Option<OfHall> {
         let worn = wear
             .as_ref()
             .map_or(0.0, |(.., from)| (night as f64 - *from as f64).max(0.0) / (shop.nights - 1 - from).max(1) as f64);
+        let mut there = None;
         if let Some((_, later, _)) = wear.as_ref().filter(|_| worn > 0.0) {
             now.effects.clone_from(&later.effects);
             let effect = now.effects.last_mut()?;
             *effect = grown(*effect, &hall, worn)?;
+            there = amount(effect, usual_m3_per_s);
         }
         let first = dice.below(runs.len());
         let chosen = [first, (first + 1) % runs.len()].map(|index| &runs[index]);
@@ -120,9 +139,11 @@ fn attempted(shop: &Shop, number: u64, dice: &mut Noise) -> Option<OfHall> {
             let run = run.again(dice.uniform(0.0, 1e9).to_bits());
             recordings.extend(night_of(&now, &run, &at(oil_c), is_off));
         }
-        nights.push(OneNight { recordings, is_off, worn, oil_c });
+        nights.push(OneNight { recordings, is_off, worn, amount: there.map(|(_, value)| value), oil_c });
     }
-    Some(OfHall { hall, healthy, nights, wear: wear.map(|(worn, _, from)| (worn, from)), logger_changes })
+    let amounts = |later: &Hall| later.effects.last().and_then(|effect| amount(effect, usual_m3_per_s));
+    let wear = wear.map(|(worn, later, from)| Wear { worn, from, amounts: amounts(&later).map_or(&[], |of| of.0) });
+    Some(OfHall { hall, healthy, nights, wear, logger_changes })
 }
 
 /// A run of a night; none where the rod would not have stayed inside its stroke: then that motion is left out.

@@ -217,6 +217,36 @@ pub fn times(effect: PlantEffect, by: f64) -> Option<PlantEffect> {
     })
 }
 
+/// How much there is of a worn part, SI, and which amounts of a machine file say so: several, where each of the names that are right for it has its own. `None`
+/// where the file's form shares no number with it. Losses of pressure are those at a usual flow, m³/s.
+pub(super) fn amount(effect: &PlantEffect, usual_m3_per_s: f64) -> Option<(&'static [P], f64)> {
+    use PlantEffect as E;
+    Some(match *effect {
+        E::InternalLeakage { conductance_m3_per_s_pa, .. } => (&[P::InternalLeakage], conductance_m3_per_s_pa),
+        E::ExternalLeakage { conductances_m3_per_s_pa: [a, b], .. } => {
+            (if a > b { &[P::ExternalLeakageA] } else { &[P::ExternalLeakageB] }, a.max(b))
+        }
+        E::EntrainedAir { share, .. } => (&[P::AirShare], share),
+        E::Friction(DryFriction { level: FrictionLevel::Stribeck { sliding_n, .. }, .. }) => {
+            (&[P::CoulombFriction, P::StribeckForce], sliding_n)
+        }
+        E::Valve(ValveEffect::WeightedPlays { width }) => (&[P::HysteresisWidth], width),
+        E::Flow(FlowEffect::DeadZone { extending, retracting }) => (&[P::DeadZoneDifference], extending - retracting),
+        E::Flow(FlowEffect::SupplyDroop { resistance_pa_s_per_m3, line_pa_s2_per_m6, .. }) => {
+            (&[P::DroopResistance], resistance_pa_s_per_m3 + line_pa_s2_per_m6 * usual_m3_per_s)
+        }
+        E::Flow(FlowEffect::Leakage { opening, .. }) => (&[P::ValveLeakageOpening], opening),
+        E::Sensing(SensingEffect::Backlash { play_m }) => (&[P::BacklashPlay], play_m),
+        E::Sensing(SensingEffect::Offset { channel, offset }) => match channel {
+            MeasuredSignal::Spool => (&[P::SpoolOffset], offset),
+            MeasuredSignal::PressureA => (&[P::PressureAOffset], offset),
+            MeasuredSignal::PressureB => (&[P::PressureBOffset], offset),
+            MeasuredSignal::Position => return None,
+        },
+        _ => return None,
+    })
+}
+
 /// A stop within reach of the rod.
 fn stop(hall: &Hall, runs: &[Run], dice: &mut Noise) -> Option<LoadEffect> {
     let (mut low, mut high) = (f64::MAX, f64::MIN);
