@@ -133,9 +133,11 @@ def _judged(night: FleetNight, how: How, threads: int | None, source: tuple[str,
 
         def fetched(path: Path) -> Path:
             here = Path(folder) / Path(path).name
-            # What cannot be fetched is missing, which the row says.
-            if files.exists(os.fspath(path)):
+            try:
                 files.get_file(os.fspath(path), os.fspath(here))
+            except FileNotFoundError:
+                # It is missing, which the row says; a bucket that does not answer is no row.
+                pass
             return here
 
         near = FleetNight(drive, name, fetched(machine), [fetched(path) for path in recordings], twin)
@@ -167,25 +169,38 @@ def _on_workers(
                 counts[verdict] = counts.get(verdict, 0) + count
             kept.clear()
 
+        failed: list[tuple[FleetNight, BaseException]] = []
         for future in completed(futures):
-            kept.append(_part(future, of[future.key]))
+            night = of[future.key]
+            try:
+                kept.append(_part(future, night))
+            except Exception as error:
+                # A passing fault makes no row: the next run judges the night.
+                failed.append((night, error))
             future.release()
-            if time.monotonic() - since > _KEPT_S:
+            if time.monotonic() - since >= _KEPT_S:
                 write()
                 since = time.monotonic()
         write()
+        if failed:
+            night, error = failed[0]
+            if isinstance(error, _native.Error):
+                raise error
+            what = f"{len(failed)} of {len(pending)} nights could not be judged and are left for the next run, the first is {night.drive} {night.night}"
+            raise RuntimeError(f"{what}: {type(error).__name__}: {error}") from error
         return counts
     finally:
         table.close()
 
 
 def _part(future: Any, night: FleetNight) -> bytes:
-    """What a worker made of a night; that of a night on which workers die is a row that says so."""
+    """What a worker made of a night; that of a night on which workers die again and again is a row that says so. Any other error is raised."""
+    from distributed.scheduler import KilledWorker
+
     error = future.exception()
     if error is None:
         part: bytes = future.result()
         return part
-    if isinstance(error, _native.Error) and error.key is not None:
-        # An argument, which is wrong for every night.
-        raise error
-    return _native.unusable(night, f"{type(error).__name__}: {error}")
+    if isinstance(error, KilledWorker):
+        return _native.unusable(night, f"{type(error).__name__}: {error}")
+    raise error

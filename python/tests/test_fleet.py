@@ -80,18 +80,20 @@ def test_wrong_arguments_and_a_table_that_another_run_writes_to_are_refused(hall
 
 
 def test_a_cluster_makes_the_same_rows_though_a_worker_is_killed_and_a_recording_is_poisoned(
-    hall: Path, expected: pd.DataFrame, tmp_path: Path
+    hall: Path, expected: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from distributed import Client, LocalCluster
 
+    # Rows are written as they come: the kill falls between them.
+    monkeypatch.setattr("host_sim._fleet._KEPT_S", 0.0)
     with LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         with Client(cluster) as client:
             first = next(iter(client.run(os.getpid).values()))
 
             def kill() -> None:
-                # In the middle: when the first rows are there, or soon after the beginning.
+                # In the middle: when the first rows are there.
                 began = time.monotonic()
-                while time.monotonic() - began < 1.0 and not list((tmp_path / "table").glob("part-*")):
+                while time.monotonic() - began < 60.0 and not list((tmp_path / "table").glob("part-*")):
                     time.sleep(0.02)
                 os.kill(first, signal.SIGKILL)
 
@@ -103,6 +105,28 @@ def test_a_cluster_makes_the_same_rows_though_a_worker_is_killed_and_a_recording
             assert first not in client.run(os.getpid, on_error="ignore").values()
             pd.testing.assert_frame_equal(rows(run.table), expected)
             assert host_sim.fleet(hall, tmp_path / "table", upto="refit", client=client).nights == 0
+
+
+def test_a_fault_that_passes_makes_no_row_and_the_next_run_judges_the_night(
+    hall: Path, expected: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from distributed import Client, LocalCluster
+
+    judged = host_sim._fleet._judged
+
+    def without_an_answer(night: host_sim.FleetNight, *arguments: object, **named: object) -> bytes:
+        if night.drive == "b" and night.night == "2026-01-05":
+            raise TimeoutError("the bucket does not answer")
+        return judged(night, *arguments, **named)  # type: ignore[arg-type]
+
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as cluster:
+        with Client(cluster) as client:
+            monkeypatch.setattr("host_sim._fleet._judged", without_an_answer)
+            with pytest.raises(RuntimeError, match="1 of 36 nights .* b 2026-01-05: TimeoutError: the bucket does not answer"):
+                host_sim.fleet(hall, tmp_path / "table", upto="refit", threads=1, client=client)
+            monkeypatch.undo()
+            assert host_sim.fleet(hall, tmp_path / "table", upto="refit", threads=1, client=client).nights == 1
+    pd.testing.assert_frame_equal(rows(tmp_path / "table"), expected)
 
 
 def test_a_bucket_is_a_path(hall: Path, expected: pd.DataFrame, tmp_path: Path) -> None:

@@ -127,6 +127,7 @@ fn truth(drive: &OfHall) -> Value {
             "effect": wear.worn.name(),
             "also_right": wear.worn.right(),
             "from": date_of(wear.from).to_string(),
+            "before": wear.before,
             "amounts": wear.amounts.iter().map(|amount| amount.description().key).collect::<Vec<_>>(),
         })
     });

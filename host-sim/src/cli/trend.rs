@@ -26,7 +26,7 @@ use super::target::{check_targets, tell, write};
 
 TABLE is what `host-sim fleet --out TABLE` wrote. Of every drive and every effect: how much there is \
 night by night, on which nights it changed, how fast it grows, and when it reaches its limit at that \
-rate, with the range that is 95 % sure. A night that does not tell an amount is a gap, not a zero. \
+rate, with a range that is 95 % sure if it goes on so. A night that does not tell an amount is a gap, not a zero. \
 Nights are named by their date. Without --limit the limit of friction and leakages is where sources \
 call a cylinder worn, which takes --drives.")]
 pub struct Arguments {
@@ -59,8 +59,10 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
     let failed = |cause| CliError::Trend { table: arguments.table.clone(), cause };
     let found = wears(&rows, &limits, machines.unwrap_or_default()).map_err(failed)?;
     if let Some(first) = found.no_dates.first() {
-        let count = found.no_dates.len();
-        console.note(format_args!("{count} nights are left out, whose names are no dates: the first is {first}"));
+        console.note(format_args!(
+            "nights whose names are no dates are left out: {first}{}",
+            if found.no_dates.len() > 1 { " and others" } else { "" }
+        ));
     }
     if let Some(path) = &arguments.report {
         write(path, page(&found, &about(&[])))?;
@@ -108,7 +110,7 @@ fn amount(wear: &Wear) -> Value {
     let trend = &wear.trend;
     let piece = |piece: &trend::Piece| {
         let (from, to) = trend.days(piece);
-        let (rate, rate_std) = if piece.grows { piece.line.per_month() } else { (0.0, 0.0) };
+        let (rate, rate_std) = piece.line.per_month();
         let (value, std) = piece.line.at(to);
         json!({"from": date(from), "to": date(to), "value": value, "std": std, "per_month": rate, "per_month_std": rate_std})
     };
@@ -135,10 +137,10 @@ fn table(found: &Wears, width: Option<u16>) -> Table {
     let mut table = Table::new();
     table.load_style(TABLE);
     arrange(&mut table, width);
-    table.set_header(["drive", "effect", "now", "what becomes of it", "limit", "reaches it"]);
+    table.set_header(["drive", "effect", "now", "trend", "limit", "reached"]);
     for wear in found.all.iter().filter(|wear| !wear.urgency.is_steady()) {
         let drive = printable(&wear.drive);
-        let said = [name(wear.parameter), now(found, wear), state(found, wear), limit(wear), to_limit(wear)];
+        let said = [name(wear.parameter), now(found, wear), state(found, wear), limit(wear), to_limit(found, wear)];
         table.add_row([drive].into_iter().chain(said));
     }
     table

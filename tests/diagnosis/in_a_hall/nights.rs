@@ -100,6 +100,7 @@ impl Nights {
         let nights = drive["nights"].as_array().unwrap();
         let is_alarm = |row: &&Row| !matches!(row.judgement, Judgement::InBand | Judgement::Unchanged);
         let name = drive["drive"].as_str().unwrap();
+        assert_eq!(nights.len(), rows.len(), "{name}: a row for every night");
         for (night, row) in nights.iter().zip(rows) {
             assert_eq!(night["night"], *row.night, "{name}");
             if night["worn_share"] == 0.0 && night["recordings"] != 0 {
@@ -123,23 +124,29 @@ impl Nights {
         let amounts: Vec<Parameter> =
             Parameter::ALL.iter().copied().filter(|one| keys.contains(&one.description().key)).collect();
         let tells = |row: &Row| row.strengths.iter().find(|one| amounts.contains(&one.parameter)).map(|one| one.std);
-        let first = rows
-            .iter()
-            .position(|row| row.judgement == Judgement::Changed && names.iter().any(|name| row.words.contains(name)));
-        let of = |night: usize| nights[night]["amount"].as_f64();
+        let names_it =
+            |row: &Row| row.judgement == Judgement::Changed && names.iter().any(|name| row.words.contains(name));
+        let first = rows.iter().zip(nights).position(|(row, night)| night["worn_share"] != 0.0 && names_it(row));
+        // By how much there is more than is installed.
+        let before = wear["before"].as_f64().unwrap();
+        let more = |night: &Value| night["amount"].as_f64().map(|amount| (amount - before).abs());
         let last = nights.iter().rposition(|night| night["recordings"] != 0).unwrap_or(0);
         // What a night tells it with; of one that was never told, that it showed at all is why it was drawn.
         let std = rows.iter().filter_map(tells).fold(f64::INFINITY, f64::min);
-        let doubled = nights.iter().position(|night| {
-            night["amount"].as_f64().is_some_and(|amount| amount.abs() > DOUBLED * std) && night["recordings"] != 0
-        });
-        let shows = of(last).is_none_or(|amount| amount.abs() > SHOWS * std || std.is_infinite());
+        let doubled = nights
+            .iter()
+            .position(|night| more(night).is_some_and(|more| more > DOUBLED * std) && night["recordings"] != 0);
+        let shows = more(&nights[last]).is_none_or(|more| more > SHOWS * std || std.is_infinite());
         let in_time = first.is_some_and(|first| doubled.is_none_or(|doubled| first <= doubled));
         self.showed += usize::from(shows);
         self.named += usize::from(shows && in_time);
         let effect = wear["effect"].as_str().unwrap();
         let night = |index: Option<usize>| index.map_or("never".to_owned(), |index| index.to_string());
-        let rate = self.rate(drive, &amounts, trend);
+        let rate = rate(drive, &amounts, trend);
+        // Of what showed a rate has to be there.
+        let has_rate = shows && !amounts.is_empty();
+        self.rated += usize::from(has_rate);
+        self.near += usize::from(has_rate && rate.is_some_and(|rate| (rate - 1.0).abs() <= 0.25));
         self.lines.push(format!(
             "{} {effect} from {}: named in night {}, doubled in {}, rate over true rate {}",
             drive["drive"].as_str().unwrap(),
@@ -149,20 +156,17 @@ impl Nights {
             rate.map_or("–".to_owned(), |rate| format!("{rate:.2}")),
         ));
     }
+}
 
-    /// The trend's rate over the true one, where both are there.
-    fn rate(&mut self, drive: &Value, amounts: &[Parameter], trend: &Value) -> Option<f64> {
-        let columns: Vec<String> = amounts.iter().filter_map(|one| column_of(*one)).collect();
-        let is_own =
-            |one: &&Value| one["drive"] == drive["drive"] && columns.iter().any(|column| one["column"] == **column);
-        let piece = trend["amounts"].as_array()?.iter().find(is_own)?["pieces"].as_array()?.last()?.clone();
-        let found = piece["per_month"].as_f64().filter(|rate| *rate != 0.0)? / 30.4375;
-        let told: Vec<f64> = drive["nights"].as_array()?.iter().filter_map(|night| night["amount"].as_f64()).collect();
-        #[expect(clippy::cast_precision_loss, reason = "a number of nights")]
-        let true_rate = (told.last()? - told.first()?) / (told.len().checked_sub(1).filter(|more| *more > 0)? as f64);
-        let ratio = found / true_rate;
-        self.rated += 1;
-        self.near += usize::from((ratio - 1.0).abs() <= 0.25);
-        Some(ratio)
-    }
+/// The trend's rate over the true one, where both are there; of several amounts that may hold the wear the nearest.
+fn rate(drive: &Value, amounts: &[Parameter], trend: &Value) -> Option<f64> {
+    let columns: Vec<String> = amounts.iter().filter_map(|one| column_of(*one)).collect();
+    let is_own =
+        |one: &&Value| one["drive"] == drive["drive"] && columns.iter().any(|column| one["column"] == **column);
+    let told: Vec<f64> = drive["nights"].as_array()?.iter().filter_map(|night| night["amount"].as_f64()).collect();
+    #[expect(clippy::cast_precision_loss, reason = "a number of nights")]
+    let true_rate = (told.last()? - told.first()?) / (told.len().checked_sub(1).filter(|more| *more > 0)? as f64);
+    let of = |one: &Value| Some(one["pieces"].as_array()?.last()?["per_month"].as_f64()? / 30.4375 / true_rate);
+    let all = trend["amounts"].as_array()?.iter().filter(is_own).filter_map(of);
+    all.min_by(|one, other| (one - 1.0).abs().total_cmp(&(other - 1.0).abs()))
 }

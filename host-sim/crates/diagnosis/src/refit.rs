@@ -15,7 +15,7 @@ use crate::base_parameters::base_parameters;
 use crate::before_after::{Shown, show_refit};
 use crate::diagnose::DiagnoseError;
 use crate::localisation::{Miss, misses};
-use crate::since::{Moves, held, strengths};
+use crate::since::{Moves, held, is_as_before, strengths};
 
 /// The search ends at this relative precision of the loss.
 const PRECISION: f64 = 1e-8;
@@ -69,11 +69,9 @@ impl Refit {
         let is_used_up = |one: &Tolerated| one.at_limit || one.left_then.is_some();
         let has_kept = |parameter: &Parameter| {
             let told = self.strengths.iter().find(|one| one.parameter == *parameter);
-            let free = self.base_parameters.iter().find(|free| free.parameter == *parameter);
+            let then = self.base_parameters.iter().find(|free| free.parameter == *parameter).map(Free::nominal);
             // An amount that jumps is not refitted: only a search tells it.
-            told.zip(free).is_some_and(|(told, free)| {
-                free.near().is_some_and(|most| (told.value - free.nominal()).abs() <= 0.5 * most)
-            })
+            told.zip(then).is_some_and(|(told, then)| is_as_before(told, then))
         };
         let follows = self.converged && !self.left.iter().any(Miss::is_above_noise);
         let is_known = self.far_values.is_empty() && !self.tolerated.iter().any(is_used_up);
@@ -93,7 +91,7 @@ impl Refitting {
         Self::with(file, recordings, tick, |sheet, prepared| {
             let on = held(file, &sheet);
             let moves = Moves::of(file, &sheet, Some(&on), prepared);
-            (moves.free, moves.changeable.iter().map(|amount| amount.parameter).collect())
+            (moves.asking_amounts(), moves.changeable.iter().map(|amount| amount.parameter).collect())
         })
     }
 

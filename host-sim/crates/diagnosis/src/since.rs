@@ -57,6 +57,23 @@ impl Moves {
         Self { held: held.to_vec(), changeable, free: fitted.into_iter().chain(of_oil).collect(), of_oil }
     }
 
+    /// What moves, with the amounts that may have changed free to become much less or more: what there is of them is asked, not whether it is as before.
+    pub(crate) fn asking_amounts(&self) -> Vec<Free> {
+        /// Standard deviation of a magnitude's logarithm: from a ninth to nine times as much is within two.
+        const SPREAD: f64 = 1.1;
+        let asked = |free: &Free| {
+            let amount = self.changeable.iter().find(|amount| amount.parameter == free.parameter)?;
+            let then = free.nominal();
+            let freedom = if amount.is_signed() {
+                Freedom::Around { nominal: then, sigma: then.abs() }
+            } else {
+                Freedom::Logarithm { centre: then, spread: SPREAD, vanishes: false }
+            };
+            Some(Free { freedom, ..*free })
+        };
+        self.free.iter().map(|free| asked(free).unwrap_or(*free)).collect()
+    }
+
     /// Whether an effect is part of the model already, and none beside it.
     pub(crate) fn has_in_model(&self, effect: &Hypothesis) -> bool {
         self.of_oil.is_some_and(|free| effect.amounts().any(|own| own.parameter == free.parameter))
@@ -192,6 +209,11 @@ fn shows(free: &Free, estimate: &Estimate) -> bool {
 fn alone(free: &Free, estimate: &Estimate, at: f64) -> f64 {
     let deviation = estimate.std / free.width(estimate.value);
     deviation / (1.0 - deviation * deviation).max(0.0).sqrt() * free.width(at)
+}
+
+/// Whether there is as much of an effect as then, as near as that is known, and a change by half of it would have shown.
+pub(crate) fn is_as_before(estimate: &Estimate, then: f64) -> bool {
+    (estimate.value - then).abs() <= AMOUNT_KNOWN * then.abs() && SHOWS_FROM * estimate.std < 0.5 * then.abs()
 }
 
 /// Of fitted values, the amounts of effects that the recordings tell: by a third of themselves, or of what may be within the drawing.

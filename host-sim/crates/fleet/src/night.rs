@@ -118,7 +118,11 @@ fn judged(night: &Night, how: &How, unusable: &mut Vec<Unusable>) -> Result<Row,
     if how.upto == Upto::Watch {
         return Ok(row);
     }
-    let refit = refit(&file, &recordings)?;
+    // What could not be refitted or diagnosed was watched all the same.
+    let refit = match refit(&file, &recordings) {
+        Ok(refit) => refit,
+        Err(reason) => return Ok(Row { words: format!("{}; not refitted: {reason}", row.words), ..row }),
+    };
     if how.upto == Upto::Refit || left.is_none() {
         return Ok(refitted(row, &refit));
     }
@@ -126,7 +130,11 @@ fn judged(night: &Night, how: &How, unusable: &mut Vec<Unusable>) -> Result<Row,
         let words = format!("unchanged: refitted to the oil and the day, it follows; {}", row.words);
         return Ok(refitted(Row { judgement: Judgement::Unchanged, words, ..row }, &refit));
     }
-    diagnosed(row, &file, &recordings, how)
+    Ok(diagnosed(&row, &file, &recordings, how).unwrap_or_else(|reason| Row {
+        judgement: Judgement::Unexplained,
+        words: format!("{}; not diagnosed: {reason}", row.words),
+        ..row
+    }))
 }
 
 /// The recordings that can be used, each with what the monitor says of it.
@@ -167,11 +175,12 @@ fn refit(file: &MachineFile, recordings: &[Recording]) -> Result<Refit, String> 
 /// How much there is of every effect.
 fn refitted(row: Row, refit: &Refit) -> Row {
     let of = |estimate: &Estimate| Strength { parameter: estimate.parameter, value: estimate.value, std: estimate.std };
-    Row { misfits: misfits(&refit.left), strengths: refit.strengths.iter().map(of).collect(), ..row }
+    let strengths = if refit.converged { refit.strengths.iter().map(of).collect() } else { Vec::new() };
+    Row { misfits: misfits(&refit.left), strengths, ..row }
 }
 
 /// What has changed since.
-fn diagnosed(row: Row, file: &MachineFile, recordings: &[Recording], how: &How) -> Result<Row, String> {
+fn diagnosed(row: &Row, file: &MachineFile, recordings: &[Recording], how: &How) -> Result<Row, String> {
     // One recording is held out where there is one to spare.
     let trained = if recordings.len() > 1 { recordings.len() - 1 } else { 1 };
     let (training, held_out) = recordings.split_at(trained);
@@ -186,19 +195,21 @@ fn diagnosed(row: Row, file: &MachineFile, recordings: &[Recording], how: &How) 
         judgement,
         words: format!("{}; {}", terminal::sentence(&found), row.words),
         misfits: misfits_after(&found),
-        strengths: strengths(&found),
-        ..row
+        // A model that does not follow the recordings does not tell what is in it.
+        strengths: if judgement == Judgement::Unexplained { Vec::new() } else { strengths(&found) },
+        ..row.clone()
     })
 }
 
-/// The amounts of what a diagnosis found, and of the effects that the file holds.
+/// The amounts of what a diagnosis found, and of the effects that the file holds, as far as the recordings tell them: by a third of themselves.
 fn strengths(found: &Diagnosis) -> Vec<Strength> {
     let of_findings = found.findings.iter().flat_map(|finding| &finding.parameters);
     let held = found.refitted.iter().filter(|estimate| {
         let is_found = of_findings.clone().any(|own| own.parameter == estimate.parameter);
         estimate.parameter.effect().is_some() && !is_found
     });
-    let all = of_findings.clone().chain(held).filter(|estimate| estimate.std.is_finite());
+    let is_told = |estimate: &&Estimate| 3.0 * estimate.std < estimate.value.abs();
+    let all = of_findings.clone().chain(held).filter(is_told);
     all.map(|estimate| Strength { parameter: estimate.parameter, value: estimate.value, std: estimate.std }).collect()
 }
 

@@ -22,27 +22,30 @@ pub fn page(wears: &Wears, about: &About) -> String {
     let top = html! {
         h1 class=(if moving.is_empty() { "nothing" } else { "missing" }) { (headline(wears)) "." }
         @if !wears.no_dates.is_empty() {
-            p class="fact" { (wears.no_dates.len()) " nights are left out, whose names are no dates: " (shown(wears.no_dates.iter())) "." }
+            p class="fact" { "Nights whose names are no dates are left out: " (shown(wears.no_dates.iter())) @if wears.no_dates.len() > SHOWN { " and others" } "." }
         }
     };
     let rest = html! {
-        (urgent(wears, &moving))
-        (charts(wears, "What has changed, or is beyond its limit", &moving))
-        (charts(wears, "What is steady", &wears.all.iter().filter(|wear| wear.urgency.is_steady()).collect::<Vec<_>>()))
-        (drives(wears))
-        section {
-            h2 { "How it is told" }
-            p { "A dot is one night with its standard deviation, as the recordings of that night tell it; a night that does not tell the amount has no dot. A hollow dot is far from its neighbours and takes no part. "
-                "Change points are found by PELT (Killick, Fearnhead and Eckley 2012); pieces that one level or one straight line follows are joined. Of a hundred halls in which nothing changes, one shows a change by chance. "
-                "Deviations are widened where nights scatter more than their recordings say. The day on which a limit is reached is where the line meets it; earliest and latest are where its 95 % band does." }
-        }
-    };
+            (urgent(wears, &moving))
+            (charts(wears, "What has changed, or is beyond its limit", &moving))
+            (charts(wears, "What is steady", &wears.all.iter().filter(|wear| wear.urgency.is_steady()).collect::<Vec<_>>()))
+            (drives(wears))
+            section {
+                h2 { "How it is told" }
+    p { "A dot is one night with its standard deviation, as the recordings of that night tell it; a night that does not tell the amount has no dot. A hollow dot is far from its neighbours on both sides and takes no part. "
+                    "The nights are cut into levels and straight lines by optimal partitioning (Jackson et al. 2005): a piece more, or a rate, must explain more than chance would. In a hall in which nothing changes and nights do not depend on each other, a jump is told in one of a hundred, and a rate in one of a hundred. "
+                    "Deviations are widened where nights scatter more than their recordings say. The day on which a limit is reached is where the line meets it; earliest and latest are where its 95 % band does, if it goes on as it does now." }
+            }
+        };
     document("Wear of a hall", (about, &[]), &top, &rest)
 }
 
+/// As many names are shown.
+const SHOWN: usize = 5;
+
 /// The first of some names.
 fn shown<'a>(names: impl Iterator<Item = &'a String>) -> String {
-    names.take(5).map(String::as_str).collect::<Vec<_>>().join(", ")
+    names.take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ")
 }
 
 fn urgent(wears: &Wears, moving: &[&Wear]) -> Markup {
@@ -51,10 +54,10 @@ fn urgent(wears: &Wears, moving: &[&Wear]) -> Markup {
             section {
                 h2 { "By urgency" }
                 table class="wide" {
-                    tr { th { "drive" } th class="text" { "effect" } th class="text" { "now" } th class="text" { "what becomes of it" } th class="text" { "limit, and when it is reached" } }
+                    tr { th { "drive" } th class="text" { "effect" } th class="text" { "now" } th class="text" { "trend" } th class="text" { "limit, and when it is reached" } }
                     @for wear in moving {
                         tr { td { (wear.drive) } td class="text" { (name(wear.parameter)) } td class="text" { (now(wears, wear)) }
-                            td class="text" { (with_dates(&state(wears, wear))) } td class="text" { (with_dates(&limit(wear))) @if !to_limit(wear).is_empty() { ": " (with_dates(&to_limit(wear))) } } }
+                            td class="text" { (with_dates(&state(wears, wear))) } td class="text" { (with_dates(&limit(wear))) @if !to_limit(wears, wear).is_empty() { ": " (with_dates(&to_limit(wears, wear))) } } }
                     }
                 }
             }

@@ -3,14 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use diagnosis::catalogue::CATALOGUE;
-use fleet::{Row, Tally, column_of};
+use fleet::{Judgement, Row, Tally, column_of};
 use jiff::civil::Date;
 use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter};
 use report::size;
 
 use crate::line::{Point, Reach};
-use crate::trend::Trend;
+use crate::trend::{Trend, scatters, squares, telling};
 
 /// The day that days are counted from.
 const FIRST: Date = jiff::civil::date(2000, 1, 1);
@@ -121,14 +121,16 @@ pub enum Urgency {
     Reaches(Reach),
     /// It grows, and has no limit or reaches it later.
     Grows,
-    /// It has jumped, or falls.
+    /// It falls, or has jumped in the last month.
     Changed,
     /// It is as it was.
     Steady,
 }
 
-/// Share of halls in which nothing changes for which a change of some amount is told by chance.
+/// Share of halls in which nothing changes for which a jump of some amount is told by chance; as many for a rate.
 const FALSE_CHANGES: f64 = 0.01;
+/// Days after which a jump is no news.
+const RECENT_DAYS: f64 = 30.0;
 /// How far a line is continued, in times of the nights that tell it.
 const HORIZON: f64 = 10.0;
 
@@ -142,11 +144,12 @@ impl Urgency {
         }
         let (first, last) = trend.days(piece);
         let within = |reach: &Reach| reach.expected <= last + HORIZON * (last - first);
-        let reach = limit.and_then(|limit| piece.line.reaches(limit.value)).filter(within);
+        let reach = limit.and_then(|limit| piece.line.reaches(limit.value, last)).filter(within);
+        let is_new = trend.changes.last().is_some_and(|change| change + RECENT_DAYS >= last);
         match reach {
             Some(reach) if grows => Self::Reaches(reach),
             _ if grows => Self::Grows,
-            _ if piece.grows || !trend.changes.is_empty() => Self::Changed,
+            _ if piece.grows || is_new => Self::Changed,
             _ => Self::Steady,
         }
     }
@@ -169,13 +172,13 @@ impl Urgency {
         }
     }
 
-    fn rank(&self) -> (u8, f64) {
+    fn rank(&self) -> u8 {
         match self {
-            Self::Reached => (0, 0.0),
-            Self::Reaches(reach) => (1, reach.expected),
-            Self::Grows => (2, 0.0),
-            Self::Changed => (3, 0.0),
-            Self::Steady => (4, 0.0),
+            Self::Reached => 0,
+            Self::Reaches(_) => 1,
+            Self::Grows => 2,
+            Self::Changed => 3,
+            Self::Steady => 4,
         }
     }
 }
@@ -196,10 +199,15 @@ pub struct Wear {
 }
 
 impl Wear {
-    /// How far it is, of its limit; 0 without one.
-    fn of_limit(&self) -> f64 {
-        let now = self.trend.now().map_or(0.0, |piece| piece.line.at(self.trend.last_day()).0.abs());
-        self.limit.map_or(0.0, |limit| now / limit.value)
+    /// What stands first among those of the same kind: what is furthest beyond its limit, reaches it first, doubles first; else what is nearest to it.
+    fn order(&self) -> f64 {
+        let Some(piece) = self.trend.now() else { return f64::INFINITY };
+        let (now, rate) = (piece.line.at(self.trend.last_day()).0.abs(), piece.line.per_month().0.abs());
+        match self.urgency {
+            Urgency::Reaches(reach) => reach.expected,
+            Urgency::Grows => now / rate,
+            _ => self.limit.map_or(0.0, |limit| -now / limit.value),
+        }
     }
 }
 
@@ -251,6 +259,10 @@ pub fn wears(rows: &[Row], limits: &Limits, machines: BTreeMap<String, MachineFi
             continue;
         };
         dates.insert(night);
+        // A model that does not follow the recordings does not tell what is in it.
+        if row.judgement == Judgement::Unexplained {
+            continue;
+        }
         for strength in row.strengths.iter().filter(|strength| amounts.contains(&strength.parameter)) {
             let point = Point { day: day_of(night), value: strength.value, std: strength.std };
             series.entry((&row.drive, strength.parameter)).or_default().push(point);
@@ -261,23 +273,25 @@ pub fn wears(rows: &[Row], limits: &Limits, machines: BTreeMap<String, MachineFi
     };
     #[expect(clippy::cast_precision_loss, reason = "a number of drives and effects")]
     let each = FALSE_CHANGES / series.len().max(1) as f64;
+    // Of one drive a few nights hardly tell how much they scatter; all drives together do.
+    let mut of_parameter: BTreeMap<Parameter, Vec<f64>> = BTreeMap::new();
+    for ((_, parameter), points) in &series {
+        of_parameter.entry(*parameter).or_default().extend(squares(&telling(points.clone())));
+    }
+    let usual = |parameter: Parameter| of_parameter.get(&parameter).map_or(1.0, |squares| scatters(squares));
     let wear = |((drive, parameter), points): ((&str, Parameter), Vec<Point>)| {
         let limit = limits.of(parameter, machines.get(drive).map(|file| &file.machine));
-        let trend = Trend::of(points, each)?;
+        let trend = Trend::of(points, usual(parameter), each)?;
         Some(Wear { drive: drive.to_owned(), parameter, urgency: Urgency::of(&trend, limit), limit, trend })
     };
     let mut all: Vec<Wear> = series.into_iter().filter_map(wear).collect();
-    all.sort_by(|one, other| {
-        let (first, second) = (one.urgency.rank(), other.urgency.rank());
-        let by_rank = first.0.cmp(&second.0).then(first.1.total_cmp(&second.1));
-        by_rank.then(other.of_limit().total_cmp(&one.of_limit()))
-    });
+    all.sort_by(|one, other| one.urgency.rank().cmp(&other.urgency.rank()).then(one.order().total_cmp(&other.order())));
     Ok(Wears { all, drives, nights: (from, to), no_dates, machines })
 }
 
 #[cfg(test)]
 mod tests {
-    use fleet::{Judgement, Strength};
+    use fleet::Strength;
 
     use super::*;
 

@@ -5,7 +5,7 @@ use model_core::machine::Parameter;
 use recording::display_unit::in_si;
 use report::{size, wording};
 
-use crate::wear::{Given, Urgency, Wear, Wears, date_of};
+use crate::wear::{Given, Urgency, Wear, Wears, date_of, day_of};
 
 /// What is said of a hall.
 #[must_use]
@@ -25,7 +25,9 @@ pub fn headline(wears: &Wears) -> String {
     let whose = name(first.parameter);
     let most = match first.urgency {
         Urgency::Reached => format!("{} first, whose {whose} is beyond its limit", first.drive),
-        Urgency::Reaches(_) => format!("{} first, whose {whose} reaches its limit {}", first.drive, to_limit(first)),
+        Urgency::Reaches(_) => {
+            format!("{} first, whose {whose} reaches its limit {}", first.drive, to_limit(wears, first))
+        }
         _ => format!("{} first, whose {whose} {}", first.drive, state(wears, first)),
     };
     let (verb, are) = if worn.len() == 1 { ("has", "is") } else { ("have", "are") };
@@ -57,46 +59,51 @@ pub fn now(wears: &Wears, wear: &Wear) -> String {
     format!("{} ± {}{}{size}", in_si(value, 3), in_si(std, 2), unit(wear.parameter))
 }
 
-/// What becomes of it: `grows by 2.1e-13 ± 1e-14 m3/s/Pa a month since 2026-11-03`.
+/// Amounts whose size is no multiple of their value: a rate has none.
+const NOT_LINEAR: [Parameter; 2] = [Parameter::SolenoidCurvature, Parameter::LaminarPressure];
+
+/// How it has changed: `grows by 2.1e-13 ± 1e-14 m3/s/Pa a month since 2026-11-03`.
 #[must_use]
 pub fn state(wears: &Wears, wear: &Wear) -> String {
-    let trend = &wear.trend;
+    let (trend, unit) = (&wear.trend, unit(wear.parameter));
     let Some(piece) = trend.now() else { return String::new() };
     let (first, last) = trend.days(piece);
     let day = |day: f64| date_of(day).map_or_else(String::new, |date| date.to_string());
     let (rate, rate_std) = piece.line.per_month();
-    let (value, _) = piece.line.at(last);
+    let (value, std) = piece.line.at(last);
     if piece.grows {
         let verb = if value * rate > 0.0 { "grows" } else { "falls" };
-        let sizes = |value: f64| {
-            let machine = &wears.machines.get(&wear.drive)?.machine;
-            Some(size::size(machine, wear.parameter, value)?.amount)
-        };
-        let size = sizes(rate).map_or_else(String::new, |amount| format!(" ({amount})"));
-        let by = format!("{} ± {}{}{size}", in_si(rate.abs(), 2), in_si(rate_std, 1), unit(wear.parameter));
+        let size = wears.machines.get(&wear.drive).filter(|_| !NOT_LINEAR.contains(&wear.parameter));
+        let size = size.and_then(|file| size::size(&file.machine, wear.parameter, rate.abs()));
+        let size = size.map_or_else(String::new, |size| format!(" ({})", size.amount));
         // Of what grows from the first night on nobody knows since when.
         let least = if trend.pieces.len() == 1 { "at least " } else { "" };
+        let by = format!("{} ± {}{unit}{size}", in_si(rate.abs(), 2), in_si(rate_std, 1));
         return format!("{verb} by {by} a month since {least}{}", day(first));
     }
     let before = trend.pieces.len().checked_sub(2).and_then(|index| trend.pieces.get(index));
-    match before {
-        Some(before) => {
-            let (then, _) = before.line.at(trend.days(before).1);
-            format!("jumped from {} on {}", in_si(then, 3), day(first))
-        }
-        None => "steady".to_owned(),
+    let Some(before) = before else { return "steady".to_owned() };
+    let (then, then_std) = before.line.at(trend.days(before).1);
+    if before.grows && (value - then).abs() <= 3.0 * libm::hypot(std, then_std) {
+        return format!("has not changed any more since {}", day(first));
     }
+    format!("jumped from {} to {}{unit} on {}", in_si(then, 3), in_si(value, 3), day(first))
 }
 
-/// When it reaches its limit: `about 2026-12-20, between 2026-12-11 and 2027-01-06`.
+/// When it reaches its limit: `about 2026-12-20, earliest 2026-12-11, latest 2027-01-06`.
 #[must_use]
-pub fn to_limit(wear: &Wear) -> String {
+pub fn to_limit(wears: &Wears, wear: &Wear) -> String {
     let day = |day: f64| date_of(day).map_or_else(|| "later than any date".to_owned(), |date| date.to_string());
     match wear.urgency {
-        Urgency::Reached => "it is beyond it".to_owned(),
+        Urgency::Reached => "exceeded".to_owned(),
+        // Since then no night has told it.
+        Urgency::Reaches(reach) if reach.expected < day_of(wears.nights.1) => {
+            format!("should have been reached by {}", day(reach.expected))
+        }
         Urgency::Reaches(reach) => {
-            let latest = reach.latest.map_or_else(|| "perhaps never".to_owned(), day);
-            format!("about {}, earliest {}, latest {latest}", day(reach.expected), day(reach.earliest))
+            let latest =
+                reach.latest.map_or_else(|| "perhaps never".to_owned(), |late| format!("latest {}", day(late)));
+            format!("about {}, earliest {}, {latest}", day(reach.expected), day(reach.earliest))
         }
         Urgency::Grows if wear.limit.is_some() => "later than can be told: beyond ten times the nights seen".to_owned(),
         _ => String::new(),
@@ -106,7 +113,7 @@ pub fn to_limit(wear: &Wear) -> String {
 /// Its limit: `4e-12 m3/s/Pa`, and who says so where it is not the user.
 #[must_use]
 pub fn limit(wear: &Wear) -> String {
-    let worn = |given: Given| if given == Given::Worn { ", worn by the sources" } else { "" };
+    let worn = |given: Given| if given == Given::Worn { ", worn according to sources" } else { "" };
     wear.limit.map_or_else(
         || "none known".to_owned(),
         |limit| format!("{}{}{}", in_si(limit.value, 3), unit(wear.parameter), worn(limit.given)),

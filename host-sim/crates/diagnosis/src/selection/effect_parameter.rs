@@ -38,6 +38,11 @@ impl EffectParameter {
         matches!(self.kind, Kind::Amount(_) | Kind::Firm(_) | Kind::Jump(_) | Kind::Signed(_))
     }
 
+    /// Whether it may have either sign.
+    pub(crate) fn is_signed(&self) -> bool {
+        matches!(self.kind, Kind::Signed(_))
+    }
+
     /// The value at which the effect is absent; `None` for a parameter that describes only how the effect acts.
     #[must_use]
     pub fn neutral(&self) -> Option<f64> {

@@ -145,21 +145,17 @@ fn draw(area: &Area<'_>, figure: &Multiple) -> Drawn {
     area.draw(&PathElement::new(corners.map(fine).to_vec(), line(FRAME, 1.0)))
 }
 
-/// First and last night below the chart, and the date on which the limit is reached, as far as there is room.
+/// First and last night below the chart, and the date on which the limit is reached, where that is later; as far as there is room.
 fn dates(area: &Area<'_>, figure: &Multiple, across: &Axis) -> Drawn {
     let below = BOTTOM + 5;
     let [first, last] = &figure.ends;
     write(area, first, (LEFT, below), 10, FAINT_INK, HPos::Left)?;
-    let Some((line, date)) = &figure.ahead else {
-        return write(area, last, (RIGHT, below), 10, FAINT_INK, HPos::Right);
-    };
+    let ahead = figure.ahead.as_ref().filter(|(line, _)| line[1].0 > figure.days.1);
+    let Some((_, date)) = ahead else { return write(area, last, (RIGHT, below), 10, FAINT_INK, HPos::Right) };
     write(area, date, (RIGHT, below), 10, LIMIT, HPos::Right)?;
     let (at, wide) = (across.pixel(figure.days.1), text_width(last, 10));
     let has_room = at - wide / 2 > LEFT + text_width(first, 10) + 6 && at + wide / 2 < RIGHT - text_width(date, 10) - 6;
-    if has_room && line[1].0 > figure.days.1 {
-        write(area, last, (at, below), 10, FAINT_INK, HPos::Center)?;
-    }
-    Ok(())
+    if has_room { write(area, last, (at, below), 10, FAINT_INK, HPos::Center) } else { Ok(()) }
 }
 
 #[cfg(test)]

@@ -46,6 +46,8 @@ pub struct Wear {
     pub from: usize,
     /// The amounts of a machine file that say how much there is of it; none where its form shares no number with it.
     pub amounts: &'static [Parameter],
+    /// How much there is of it while nothing wears, SI: what is installed.
+    pub before: f64,
 }
 
 /// What one night of a drive is.
@@ -122,14 +124,15 @@ fn attempted(shop: &Shop, number: u64, dice: &mut Noise) -> Option<OfHall> {
         let oil_c = OIL_C + SEASON_K * (libm::sin(turned) - libm::sin(season)) + dice.gaussian(NIGHT_K);
         let is_off = dice.happens(IS_OFF);
         let mut now = hall.clone();
-        let worn = wear
-            .as_ref()
-            .map_or(0.0, |(.., from)| (night as f64 - *from as f64).max(0.0) / (shop.nights - 1 - from).max(1) as f64);
+        let worn = wear.as_ref().map_or(0.0, |(.., from)| {
+            // From this night on, by as much every night, to all of it in the last.
+            (night as f64 + 1.0 - *from as f64).max(0.0) / (shop.nights - from) as f64
+        });
         let mut there = None;
         if let Some((_, later, _)) = wear.as_ref().filter(|_| worn > 0.0) {
             now.effects.clone_from(&later.effects);
             let effect = now.effects.last_mut()?;
-            *effect = grown(*effect, &hall, worn)?;
+            *effect = grown(*effect, &hall, worn, usual_m3_per_s)?;
             there = amount(effect, usual_m3_per_s);
         }
         let first = dice.below(runs.len());
@@ -141,8 +144,11 @@ fn attempted(shop: &Shop, number: u64, dice: &mut Noise) -> Option<OfHall> {
         }
         nights.push(OneNight { recordings, is_off, worn, amount: there.map(|(_, value)| value), oil_c });
     }
-    let amounts = |later: &Hall| later.effects.last().and_then(|effect| amount(effect, usual_m3_per_s));
-    let wear = wear.map(|(worn, later, from)| Wear { worn, from, amounts: amounts(&later).map_or(&[], |of| of.0) });
+    let wear = wear.and_then(|(worn, later, from)| {
+        let effect = later.effects.last()?;
+        let amounts = amount(effect, usual_m3_per_s).map_or(&[][..], |of| of.0);
+        Some(Wear { worn, from, amounts, before: installed(&hall, effect, usual_m3_per_s) })
+    });
     Some(OfHall { hall, healthy, nights, wear, logger_changes })
 }
 
@@ -153,12 +159,20 @@ fn night_of(hall: &Hall, run: &Run, change: &Change, is_off: bool) -> Option<Syn
     (is_off || stays_inside(hall, &whole)).then(|| recorded(hall, &run, &whole))
 }
 
-/// A worn part at a share of what there is of it in the end: dry friction grows from what the drive was commissioned with, the others from nothing.
-fn grown(effect: PlantEffect, hall: &Hall, share: f64) -> Option<PlantEffect> {
-    let before_n = hall.effects.iter().find_map(PlantEffect::sliding_n);
-    let by = match (before_n, effect.sliding_n()) {
-        (Some(before_n), Some(after_n)) => (before_n + share * (after_n - before_n)) / after_n,
-        _ => share,
+/// How much of an effect is installed, SI; 0 where nothing is of its kind.
+fn installed(hall: &Hall, effect: &PlantEffect, usual_m3_per_s: f64) -> f64 {
+    let of = |one: &PlantEffect| amount(one, usual_m3_per_s);
+    let same =
+        |one: &PlantEffect| of(one).zip(of(effect)).filter(|(own, other)| own.0 == other.0).map(|(own, _)| own.1);
+    if matches!(effect, PlantEffect::Sensing(_)) { 0.0 } else { hall.effects.iter().find_map(same).unwrap_or(0.0) }
+}
+
+/// A worn part at a share of the way from what is installed to what there is of it in the end.
+fn grown(effect: PlantEffect, hall: &Hall, share: f64, usual_m3_per_s: f64) -> Option<PlantEffect> {
+    let before = installed(hall, &effect, usual_m3_per_s);
+    let by = match amount(&effect, usual_m3_per_s) {
+        Some((_, after)) => (before + share * (after - before)) / after,
+        None => share,
     };
     times(effect, by)
 }
