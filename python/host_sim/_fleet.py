@@ -27,11 +27,11 @@ class FleetNight(NamedTuple):
     """The drive's name."""
     night: str
     """The night's name."""
-    machine: Path
+    machine: _native.Path
     """The drive's machine file; it may not be there."""
-    recordings: list[Path]
+    recordings: list[_native.Path]
     """The night's recordings."""
-    twin: Path | None
+    twin: _native.Path | None
     """Another folder of the same name; then neither can be used."""
 
 
@@ -131,7 +131,7 @@ def _judged(night: FleetNight, how: How, threads: int | None, source: tuple[str,
     drive, name, machine, recordings, twin = night
     with tempfile.TemporaryDirectory() as folder:
 
-        def fetched(path: Path) -> Path:
+        def fetched(path: _native.Path) -> Path:
             here = Path(folder) / Path(path).name
             try:
                 files.get_file(os.fspath(path), os.fspath(here))
@@ -183,11 +183,11 @@ def _on_workers(
                 since = time.monotonic()
         write()
         if failed:
-            night, error = failed[0]
-            if isinstance(error, _native.Error):
-                raise error
+            night, first = failed[0]
+            if isinstance(first, _native.Error):
+                raise first
             what = f"{len(failed)} of {len(pending)} nights could not be judged and are left for the next run, the first is {night.drive} {night.night}"
-            raise RuntimeError(f"{what}: {type(error).__name__}: {error}") from error
+            raise RuntimeError(f"{what}: {type(first).__name__}: {first}") from first
         return counts
     finally:
         table.close()

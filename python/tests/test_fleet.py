@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import shutil
 import signal
+import sys
 import threading
 import time
 from concurrent.futures import ProcessPoolExecutor
@@ -168,6 +169,8 @@ def test_the_books_programs_for_other_engines_make_the_same_rows(
     if needs == "pyspark" and shutil.which("java") is None:
         pytest.skip("pyspark is there, and no Java for it")
     monkeypatch.chdir(tmp_path)
+    # Spark's workers run whatever is called python3.
+    monkeypatch.setenv("PYSPARK_PYTHON", sys.executable)
     (tmp_path / "hall").symlink_to(hall)
     exec(compile(told(engine).replace('upto="diagnose"', 'upto="refit"'), engine, "exec"), {})
     found = pd.concat(pd.read_parquet(part) for part in sorted((tmp_path / "table").glob("part-*.parquet")))

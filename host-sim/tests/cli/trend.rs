@@ -64,7 +64,8 @@ fn what_wears_is_told_with_its_rate_and_when_it_reaches_its_limit() {
     worn(&here.join("table"));
     let limit = "internal_leakage_conductance_m3_per_s_pa=6e-12";
     let said = done(here, &["trend", "table", "--limit", limit, "--report", "wear.html"]);
-    assert!(said.starts_with("2 of 50 drives"), "{said}");
+    let book = fs::read_to_string(root().join("docs/fleet.md")).unwrap();
+    assert!(said.starts_with("2 of 50 drives") && book.contains(said.lines().next().unwrap()), "{said}");
     assert!(said.contains("press-07") && said.contains("press-12") && !said.contains("press-20"), "{said}");
     let page = fs::read_to_string(here.join("wear.html")).unwrap();
     assert_eq!(page.matches("<figure").count(), 51, "a chart of every amount");
