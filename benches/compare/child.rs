@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::io;
+use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
@@ -43,6 +44,11 @@ pub(crate) fn main(arguments: &[String]) -> ExitCode {
         eprintln!("{TOOK}{} {peak_kb}", machine::computed_s());
     }
     cli::finish(result, line, &mut io::stderr())
+}
+
+/// A path as an argument.
+pub(crate) fn text(path: &Path) -> Result<&str, Box<dyn Error>> {
+    path.to_str().ok_or_else(|| "a temporary folder whose name is not text".into())
 }
 
 /// Runs the tool in a process of its own.

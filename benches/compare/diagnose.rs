@@ -6,7 +6,7 @@ use std::path::Path;
 
 use diagnosis::selection::excerpt::AFFORDABLE_TICKS;
 
-use crate::child::{self, Took};
+use crate::child::{self, Took, text};
 use crate::growth::exponent;
 use crate::machine;
 use crate::page::{Part, table};
@@ -20,10 +20,6 @@ const COUNTS: [u32; 6] = [1, 2, 4, 8, 30, 100];
 const COUNTED_S: u32 = 10;
 /// The fit alone is timed on the shipped case.
 const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/press-63-40");
-
-fn text(path: &Path) -> Result<&str, Box<dyn Error>> {
-    path.to_str().ok_or_else(|| "a temporary folder whose name is not text".into())
-}
 
 /// A press with leakage that a controller moves back and forth, on the virtual test bed: this number of recordings of a length, and one of 10 s
 /// held out.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use recording::ChannelMap;
 
-use crate::child::{self, Took};
+use crate::child::{self, Took, text};
 use crate::growth::exponent;
 use crate::machine;
 use crate::page::{Part, Wanted, table};
@@ -28,10 +28,6 @@ const DIAGNOSED: usize = 4;
 const MACHINES: [f64; 4] = [1.0, 2.0, 4.0, 16.0];
 const NIGHTLY: f64 = 1e5;
 const LEFT: f64 = 0.01;
-
-fn text(path: &Path) -> Result<&str, Box<dyn Error>> {
-    path.to_str().ok_or_else(|| "a temporary folder whose name is not text".into())
-}
 
 /// Recordings of the drive with these effects on the virtual test bed.
 fn recorded(folder: &Path, count: usize, seed: &str, effects: &[&str]) -> Result<Vec<PathBuf>, Box<dyn Error>> {

@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console<'_>) -> Result<Ou
         write(path, page(&found, &about(&[])))?;
     }
     tell(arguments.json.as_deref(), || document(&found), console)?;
-    let has_changed = found.all.iter().any(|wear| !wear.urgency.is_steady());
+    let has_changed = found.moving().next().is_some();
     console.verdict(headline(&found), if has_changed { Tone::Bad } else { Tone::Good })?;
     if has_changed {
         console.print(table(&found, console.width))?;
@@ -138,7 +138,7 @@ fn table(found: &Wears, width: Option<u16>) -> Table {
     table.load_style(TABLE);
     arrange(&mut table, width);
     table.set_header(["drive", "effect", "now", "trend", "limit", "reached"]);
-    for wear in found.all.iter().filter(|wear| !wear.urgency.is_steady()) {
+    for wear in found.moving() {
         let drive = printable(&wear.drive);
         let said = [name(wear.parameter), now(found, wear), state(found, wear), limit(wear), to_limit(found, wear)];
         table.add_row([drive].into_iter().chain(said));

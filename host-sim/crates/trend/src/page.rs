@@ -18,7 +18,7 @@ const DRAWN: usize = 300;
 /// The page of a hall.
 #[must_use]
 pub fn page(wears: &Wears, about: &About) -> String {
-    let moving: Vec<&Wear> = wears.all.iter().filter(|wear| !wear.urgency.is_steady()).collect();
+    let moving: Vec<&Wear> = wears.moving().collect();
     let top = html! {
         h1 class=(if moving.is_empty() { "nothing" } else { "missing" }) { (headline(wears)) "." }
         @if !wears.no_dates.is_empty() {
@@ -26,17 +26,17 @@ pub fn page(wears: &Wears, about: &About) -> String {
         }
     };
     let rest = html! {
-            (urgent(wears, &moving))
-            (charts(wears, "What has changed, or is beyond its limit", &moving))
-            (charts(wears, "What is steady", &wears.all.iter().filter(|wear| wear.urgency.is_steady()).collect::<Vec<_>>()))
-            (drives(wears))
-            section {
-                h2 { "How it is told" }
-    p { "A dot is one night with its standard deviation, as the recordings of that night tell it; a night that does not tell the amount has no dot. A hollow dot is far from its neighbours on both sides and takes no part. "
-                    "The nights are cut into levels and straight lines by optimal partitioning (Jackson et al. 2005): a piece more, or a rate, must explain more than chance would. In a hall in which nothing changes and nights do not depend on each other, a jump is told in one of a hundred, and a rate in one of a hundred. "
-                    "Deviations are widened where nights scatter more than their recordings say. The day on which a limit is reached is where the line meets it; earliest and latest are where its 95 % band does, if it goes on as it does now." }
-            }
-        };
+        (urgent(wears, &moving))
+        (charts(wears, "What has changed, or is beyond its limit", &moving))
+        (charts(wears, "What is steady", &wears.all.iter().filter(|wear| wear.urgency.is_steady()).collect::<Vec<_>>()))
+        (drives(wears))
+        section {
+            h2 { "How it is told" }
+            p { "A dot is one night with its standard deviation, as the recordings of that night tell it; a night that does not tell the amount has no dot. A hollow dot is far from its neighbours on both sides and takes no part. "
+                "The nights are cut into levels and straight lines by optimal partitioning (Jackson et al. 2005): a piece more, or a rate, must explain more than chance would. In a hall in which nothing changes and nights do not depend on each other, a jump is told in one of a hundred, and a rate in one of a hundred. "
+                "Deviations are widened where nights scatter more than their recordings say. The day on which a limit is reached is where the line meets it; earliest and latest are where its 95 % band does, if it goes on as it does now." }
+        }
+    };
     document("Wear of a hall", (about, &[]), &top, &rest)
 }
 

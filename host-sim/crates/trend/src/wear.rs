@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use diagnosis::catalogue::CATALOGUE;
-use fleet::{Judgement, Row, Tally, column_of};
+use fleet::{Row, Tally, column_of};
 use jiff::civil::Date;
 use machine_file::MachineFile;
 use model_core::machine::{Machine, Parameter};
@@ -226,6 +226,13 @@ pub struct Wears {
     pub machines: BTreeMap<String, MachineFile>,
 }
 
+impl Wears {
+    /// The amounts that are to be looked at, the most urgent first.
+    pub fn moving(&self) -> impl Iterator<Item = &Wear> {
+        self.all.iter().filter(|wear| !wear.urgency.is_steady())
+    }
+}
+
 /// Why nothing can be said of a table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WearError {
@@ -259,10 +266,6 @@ pub fn wears(rows: &[Row], limits: &Limits, machines: BTreeMap<String, MachineFi
             continue;
         };
         dates.insert(night);
-        // A model that does not follow the recordings does not tell what is in it.
-        if row.judgement == Judgement::Unexplained {
-            continue;
-        }
         for strength in row.strengths.iter().filter(|strength| amounts.contains(&strength.parameter)) {
             let point = Point { day: day_of(night), value: strength.value, std: strength.std };
             series.entry((&row.drive, strength.parameter)).or_default().push(point);
@@ -291,7 +294,7 @@ pub fn wears(rows: &[Row], limits: &Limits, machines: BTreeMap<String, MachineFi
 
 #[cfg(test)]
 mod tests {
-    use fleet::Strength;
+    use fleet::{Judgement, Strength};
 
     use super::*;
 

@@ -1,5 +1,7 @@
 //! What is said of wear.
 
+use std::collections::BTreeSet;
+
 use diagnosis::catalogue::CATALOGUE;
 use model_core::machine::Parameter;
 use recording::display_unit::in_si;
@@ -13,15 +15,14 @@ pub fn headline(wears: &Wears) -> String {
     let drives = wears.drives.len();
     let (from, to) = wears.nights;
     let of = format!("{drives} drive{}, {from} to {to}", if drives == 1 { "" } else { "s" });
-    let Some(first) = wears.all.first().filter(|wear| !wear.urgency.is_steady()) else {
+    let Some(first) = wears.moving().next() else {
         return if wears.all.is_empty() {
             format!("no night tells how much there is of any effect: {of}")
         } else {
             format!("no effect of any drive has changed: {of}")
         };
     };
-    let worn: std::collections::BTreeSet<&str> =
-        wears.all.iter().filter(|wear| !wear.urgency.is_steady()).map(|wear| &*wear.drive).collect();
+    let worn: BTreeSet<&str> = wears.moving().map(|wear| &*wear.drive).collect();
     let whose = name(first.parameter);
     let most = match first.urgency {
         Urgency::Reached => format!("{} first, whose {whose} is beyond its limit", first.drive),

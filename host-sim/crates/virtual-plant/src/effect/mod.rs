@@ -177,15 +177,6 @@ impl PlantEffect {
         }
     }
 
-    /// Of dry friction with a level, the force while it slides, N.
-    #[must_use]
-    pub const fn sliding_n(&self) -> Option<f64> {
-        match self {
-            Self::Friction(DryFriction { level: FrictionLevel::Stribeck { sliding_n, .. }, .. }) => Some(*sliding_n),
-            _ => None,
-        }
-    }
-
     /// How many states of its own it integrates (all start at zero and are of order one).
     #[must_use]
     pub const fn states(&self) -> usize {
