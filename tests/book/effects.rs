@@ -43,6 +43,7 @@ pub(crate) fn scene(file: &MachineFile) -> Scene<'_> {
         is_sparse: false,
         lowest_pa: -1e6,
         held: &[],
+        asks_since: false,
         changeable: &[],
     }
 }

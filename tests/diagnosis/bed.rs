@@ -57,6 +57,7 @@ impl Case {
             is_sparse: false,
             lowest_pa: f64::INFINITY,
             held: &[],
+            asks_since: false,
             changeable: &[],
         }
     }

@@ -65,6 +65,7 @@ fn an_effect_without_its_amounts_is_the_model_without_it() {
             is_sparse: false,
             lowest_pa: -1e6,
             held: &[],
+            asks_since: false,
             changeable: &[],
         };
         for effect in CATALOGUE {

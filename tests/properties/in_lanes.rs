@@ -106,6 +106,7 @@ fn with_each_effect() -> Vec<(&'static str, Machine<f64>)> {
         is_sparse: false,
         lowest_pa: -1e6,
         held: &[],
+        asks_since: false,
         changeable: &[],
     };
     let strong = |effect_parameter: &EffectParameter| {

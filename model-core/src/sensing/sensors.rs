@@ -127,6 +127,12 @@ impl<N: Number, const DELAY: usize> SensedState<N, DELAY> {
         let reading = self.played + behind;
         (self.behind, self.position, self.line) = (behind, reading, [reading; DELAY]);
     }
+
+    /// The rod is further by this than the run has moved it, strokes, and was so for longer than lag and delay.
+    pub fn shift(&mut self, further: N) {
+        (self.played, self.position) = (self.played + further, self.position + further);
+        self.line = self.line.map(|reading| reading + further);
+    }
 }
 
 impl<N: Number> Sensors<N> {

@@ -9,6 +9,7 @@ use crate::catalogue::Hypothesis;
 use crate::finding::{Finding, finding};
 use crate::selection::veto::stands_on_own_sides;
 use crate::selection::{Candidate, Chosen, Confirmation, Question, Selection, confirm};
+use crate::since::is_of_the_day;
 
 /// What is accepted.
 pub(crate) struct Decision {
@@ -93,11 +94,16 @@ fn is_there_anyway(question: &Question<'_>, chosen: &Candidate) -> bool {
     follows && chosen.effects.iter().any(|chosen| chosen.has(Parameter::VolumeShare))
 }
 
-/// Whether a candidate model still misses more than noise although a base value is one that no such drive has: its effects then make up for something
-/// else.
+/// Whether the effects of a candidate model make up for something else: it still misses more than noise although a base value is one that no such drive
+/// has. Where the machine file tells the values of this very drive, such a value is enough, and so is one of the oil and of the day that no day explains.
 fn makes_up(question: &Question<'_>, chosen: &Candidate, estimates: &[Estimate]) -> bool {
-    chosen.misses_by_more_than_noise(question)
-        && far_values(question.scene.machine, question.base_parameters, estimates).iter().any(|far| far.is_impossible)
+    let far = far_values(question.scene.machine, question.base_parameters, estimates);
+    let is_impossible = far.iter().any(|far| far.is_impossible);
+    let is_of_no_day = || far.iter().any(|far| is_of_the_day(far.parameter));
+    if question.scene.asks_since {
+        return is_impossible || is_of_no_day();
+    }
+    is_impossible && chosen.misses_by_more_than_noise(question)
 }
 
 /// Estimates of the chosen candidate model. Free runs do not show when a spool jumps. So the stiction parameters have no standard deviation where
@@ -123,22 +129,26 @@ mod tests {
     /// A bulk modulus that no oil has counts against a model that misses more than noise, and not against one that follows.
     #[test]
     fn a_model_that_follows_only_in_part_and_only_with_an_impossible_value_names_nothing() {
-        let asked = |unknown: &[(Parameter, f64)], value: f64| {
+        let asked = |unknown: &[(Parameter, f64)], value: f64, asks_since: bool| {
             let mut bends = None;
             with_press(unknown, |question| {
                 let before = question.scene.machine.get(Parameter::BulkModulus);
                 let free = [Free::around(Parameter::BulkModulus, before, 0.3 * before)];
                 let base = Candidate::rough(question, None).unwrap();
                 let estimate = Estimate { parameter: Parameter::BulkModulus, before, value, std: 1e5, at_bound: false };
-                let question = Question { base_parameters: &free, ..*question };
+                let scene = Scene { asks_since, ..*question.scene };
+                let question = Question { base_parameters: &free, scene: &scene, ..*question };
                 bends = Some(makes_up(&question, &base, &[estimate]));
             });
             bends.unwrap()
         };
         let rubs = [(Parameter::CoulombFriction, 300.0)];
-        assert!(asked(&rubs, 7e7));
-        assert!(!asked(&rubs, 1.1e9));
-        assert!(!asked(&[], 7e7));
+        assert!(asked(&rubs, 7e7, false));
+        assert!(!asked(&rubs, 1.1e9, false));
+        assert!(!asked(&[], 7e7, false));
+        // Of a drive whose values are known, it counts against any model; so does a stiffness that no day explains.
+        assert!(asked(&[], 7e7, true) && asked(&[], 3e9, true));
+        assert!(!asked(&[], 3e9, false) && !asked(&[], 1.1e9, true));
     }
 
     /// Volumes that change by the geometry are there in a machine file that says so, and a finding in one that says constant.

@@ -134,7 +134,12 @@ pub fn diagnose_with(
     let machine = valve.as_ref().map_or(&file.machine, |valve| &valve.machine);
     let free = valve.as_ref().map_or(moves.free.as_slice(), |valve| &valve.free);
     let judged: Vec<Signal> = first.channels.iter().map(|channel| channel.signal).collect();
-    let scene = Scene { held: &moves.held, changeable: &moves.changeable, ..scene(file, machine, &judged, &trained)? };
+    let scene = Scene {
+        asks_since,
+        held: &moves.held,
+        changeable: &moves.changeable,
+        ..scene(file, machine, &judged, &trained)?
+    };
     let (hypotheses, not_testable) = hypotheses(&scene, &on, valve.is_some(), &moves);
     let mut excerpt = Excerpt::of(training, &trained, &file.machine, file.load_source).map_err(CompareError::from)?;
     let asked = Asked { scene: &scene, base_parameters: free, hypotheses: &hypotheses };
@@ -248,6 +253,7 @@ fn scene<'a>(
         is_sparse: trained.iter().all(Prepared::is_sparse),
         lowest_pa: lowest_pressure(machine, trained)?,
         held: &[],
+        asks_since: false,
         changeable: &[],
     })
 }

@@ -52,6 +52,7 @@ pub fn read_absolute(file: &MachineFile, training: &[Recording], tick: Option<Ti
         is_sparse: gauge.iter().all(Prepared::is_sparse),
         lowest_pa: f64::INFINITY,
         held: &[],
+        asks_since: false,
         changeable: &[],
     };
     let base = base_parameters(file);

@@ -125,7 +125,7 @@ fn since_then(
         let moves_along = |(parameter, along): &(Parameter, &[Parameter])| {
             *parameter == free.parameter && changeable.iter().any(|amount| along.contains(&amount.parameter))
         };
-        if MOVES_ALONG.iter().any(moves_along) {
+        if OF_THE_COMMAND.contains(&free.parameter) || MOVES_ALONG.iter().any(moves_along) {
             return true;
         }
         let acts_like = |names: &[&str]| held.iter().any(|effect| names.contains(&effect.name));
@@ -155,6 +155,14 @@ const OF_THE_DAY: [(Parameter, &[&str]); 5] = [
     (Parameter::LoadForce, &["position-dependent-load", "friction-asymmetry"]),
     (Parameter::AirShare, &["hose-compliance"]),
 ];
+
+/// Whether a value is one of the oil and of the day.
+pub(crate) fn is_of_the_day(parameter: Parameter) -> bool {
+    OF_THE_DAY.iter().any(|(of_the_day, _)| *of_the_day == parameter)
+}
+
+/// What depends on how a drive is moved, and is open again with other commands: the dead time stands for how a spool of higher order begins to move.
+const OF_THE_COMMAND: [Parameter; 1] = [Parameter::TransportDelay];
 
 /// A base parameter that another time leaves as open as a data sheet does, where one of these amounts may have changed: an edge that wears changes the mean
 /// overlap as it changes the difference between the overlaps, which a spool's sensor reads as an offset.

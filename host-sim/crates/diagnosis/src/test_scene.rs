@@ -19,6 +19,7 @@ pub(crate) fn scene<'a>(machine: &'a Machine<f64>, judged: &'a [Signal]) -> Scen
         is_sparse: false,
         lowest_pa: -1e6,
         held: &[],
+        asks_since: false,
         changeable: &[],
     }
 }

@@ -202,8 +202,16 @@ impl Prepared {
         mended.failures.retain(|(_, failures)| failures.are_any());
         let start_sigma_m = recording.signal(Signal::Position).map_or(0.0, |position| {
             let step = resolution(position);
-            let (low, high) = extent(&position[..unsettled.max(1)]);
-            (step * step / 12.0 + noise(position, step).powi(2) / ROWS_AT_REST + (high - low).powi(2)).sqrt()
+            let noise = noise(position, step);
+            // A run that is taken up takes its position from a few rows.
+            let taken_up = stimulus.start.taken_up.is_some_and(|taken_up| taken_up.position_m.is_some());
+            let unknown_m = if taken_up {
+                noise
+            } else {
+                let (low, high) = extent(&position[..unsettled.max(1)]);
+                high - low
+            };
+            (step * step / 12.0 + noise.powi(2) / ROWS_AT_REST + unknown_m.powi(2)).sqrt()
         });
         Ok(Self {
             name: recording.name().to_owned(),

@@ -124,10 +124,14 @@ impl Next<'_> {
         let machine = unbraked(self.machine, &stimulus);
         let drive = Drive::<N>::new::<DELAY_LINE>(&machine, self.tick)?;
         let mut state = match led.take() {
-            Some(led) => led.state,
+            Some(led) => {
+                // It begins where the part before ended.
+                stimulus.start.taken_up = None;
+                led.state
+            }
             None => at_start(&drive, &machine, &stimulus.start, self.start.lifted()),
         };
-        run_on(&drive, &machine, &stimulus, &mut state, &mut |row, sample| {
+        run_on(&drive, &machine, &stimulus, self.start.lifted(), &mut state, &mut |row, sample| {
             if row >= begun {
                 trajectory.push(|signal| sample.signal(signal));
             }

@@ -96,6 +96,7 @@ struct InLanes<'a> {
     machine: Machine<f64>,
     /// The stimulus of each lane; a lane without a recording of its own repeats the first.
     stimuli: [&'a Stimulus; LANES],
+    offsets: [StartOffset; LANES],
     drive: Drive<Lanes>,
     edges: Option<Edges<Lanes>>,
     state: DriveState<Lanes, DELAY_LINE>,
@@ -106,10 +107,11 @@ impl<'a> InLanes<'a> {
     fn at_start(machine: &Machine<f64>, runs: &[&Run<'a>]) -> Result<Self, MachineError> {
         let of = |lane: usize| *runs.get(lane).unwrap_or(&runs[0]);
         let stimuli: [&Stimulus; LANES] = from_fn(|lane| of(lane).stimulus);
+        let offsets = from_fn(|lane| of(lane).offset);
         let machine = unbraked(machine, stimuli[0]);
         let drive = Drive::<Lanes>::new::<DELAY_LINE>(&machine, stimuli[0].tick)?;
         let initial_states: [InitialState<f64>; LANES] =
-            from_fn(|lane| InitialState::of(&machine, drive.bases(), &stimuli[lane].start, of(lane).offset.lifted()));
+            from_fn(|lane| InitialState::of(&machine, drive.bases(), &stimuli[lane].start, offsets[lane].lifted()));
         let packed = |value: fn(&InitialState<f64>) -> f64| Lanes::new(initial_states.each_ref().map(value));
         let pressures = ChamberState { a: packed(|of| within(of.pressures.a)), b: packed(|of| within(of.pressures.b)) };
         let mut state = drive.at_rest(packed(|of| f64::saturated(of.command)), pressures, packed(|of| of.strokes));
@@ -131,7 +133,7 @@ impl<'a> InLanes<'a> {
             state.valve = ValveState::on_its_way(packed(|of| of.spool), packed(|of| of.lag), packed(|of| of.set));
         }
         let edges = Edges::of(&machine, drive.bases());
-        Ok(Self { machine, stimuli, drive, edges, state })
+        Ok(Self { machine, stimuli, offsets, drive, edges, state })
     }
 
     /// One tick.
@@ -155,6 +157,30 @@ impl<'a> InLanes<'a> {
         }
         let load = |index: usize| read(Stimulus::load, index, bases.force_n);
         self.drive.step(&mut self.state, drive_input, Load { from: load(tick), to: load(tick + 1) });
+    }
+
+    /// What the runs take from their recordings at a point of the grid.
+    fn take_up(&mut self, point: usize) {
+        let taken_up = self.stimuli.map(|stimulus| stimulus.taken_up_at(point));
+        if taken_up.iter().all(Option::is_none) {
+            return;
+        }
+        let readings_m = self.signal(Signal::Position, point);
+        let further = |lane: usize| {
+            let offset = self.offsets[lane].lifted();
+            taken_up[lane].map_or(0.0, |taken_up| taken_up.further(&self.machine, offset, readings_m[lane]))
+        };
+        let further = from_fn(further);
+        let shown = taken_up.map(|taken_up| Some(taken_up?.per_unit(&self.machine, self.drive.bases())));
+        let taken = |kept: Lanes, value: fn(&(ChamberState<f64>, f64)) -> f64| {
+            let kept = kept.values();
+            Lanes::new(from_fn(|lane| shown[lane].as_ref().map_or(kept[lane], |shown| within(value(shown)))))
+        };
+        let DriveState { chambers, motion, sensed, .. } = &mut self.state;
+        motion.position = motion.position + Lanes::new(further);
+        sensed.shift(Lanes::new(further.map(within)));
+        (chambers.a, chambers.b) = (taken(chambers.a, |(of, _)| of.a), taken(chambers.b, |(of, _)| of.b));
+        motion.velocity = taken(motion.velocity, |(_, velocity)| *velocity);
     }
 
     /// The true spool behind the sensor's readings.
@@ -205,6 +231,7 @@ fn in_lanes(
         if point > 0 {
             lanes.step(point - 1);
         }
+        lanes.take_up(point);
         if !rows.iter().any(|rows| rows.is_wanted(point)) {
             continue;
         }

@@ -86,6 +86,17 @@ fn limited<R: Real>(value: R, low: R, high: R) -> R {
     }
 }
 
+/// The part of a shift of the rod that is its place within the play behind its sensor, m.
+pub(crate) fn beside<R: Real>(machine: &Machine<R>, shift_m: R) -> R {
+    let play = machine.get(Parameter::BacklashPlay);
+    // Without a play a shift of 0 is none of its places, nor are those beside it.
+    if play.is_nil() {
+        return R::ZERO;
+    }
+    let half_play = play * R::constant(0.5);
+    limited(shift_m, -half_play, half_play)
+}
+
 /// Where a run starts, per unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InitialState<R> {
@@ -122,8 +133,7 @@ impl<R: Real> InitialState<R> {
     pub(crate) fn of(machine: &Machine<R>, bases: &Bases, start: &Start, offset: Offset<R>) -> Self {
         let constant = R::constant;
         let reading_m = constant(start.position_m) + offset.shift_m;
-        let half_play = machine.get(Parameter::BacklashPlay) * constant(0.5);
-        let beside_m = limited(offset.shift_m, -half_play, half_play);
+        let beside_m = beside(machine, offset.shift_m);
         let behind_m = constant(start.velocity_m_per_s) * machine.get(Parameter::PositionLag);
         let position_m = reading_m + behind_m;
         let (a, b) = if let Some((a, b)) = start.pressures_pa {

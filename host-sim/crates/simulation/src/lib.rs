@@ -29,6 +29,8 @@ pub mod signal;
 mod start_in_motion;
 mod stepper;
 mod stimulus;
+mod straight_line;
+mod taken_up;
 mod whitening;
 
 pub use arithmetic::Arithmetic;
@@ -47,4 +49,5 @@ pub use stimulus::coarse::Coarser;
 pub use stimulus::{
     InputPoint, RunningSum, Stimulus, first_input_point, is_carried, is_driven_by_pressures, natural_tick, tick_for,
 };
+pub use taken_up::TakenUp;
 pub use whitening::Whitening;

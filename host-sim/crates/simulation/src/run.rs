@@ -199,7 +199,7 @@ pub(crate) fn run<N: Scalar>(
     let machine = &unbraked(machine, stimulus);
     let drive = Drive::<N>::new::<DELAY_LINE>(machine, stimulus.tick)?;
     let mut state = at_start(&drive, machine, &stimulus.start, offset);
-    run_on(&drive, machine, stimulus, &mut state, sink);
+    run_on(&drive, machine, stimulus, offset, &mut state, sink);
     Ok(())
 }
 
@@ -222,6 +222,7 @@ pub(crate) fn run_on<N: Scalar>(
     drive: &Drive<N>,
     machine: &Machine<N::Real>,
     stimulus: &Stimulus,
+    offset: Offset<N::Real>,
     state: &mut DriveState<N, DELAY_LINE>,
     sink: &mut dyn FnMut(usize, &Sample<'_, N>),
 ) {
@@ -240,6 +241,9 @@ pub(crate) fn run_on<N: Scalar>(
                 state.oil_temperature = temperature;
             }
             drive.step(state, drive_input, stimulus.load_at(tick, &bases));
+        }
+        if let Some(taken_up) = stimulus.taken_up_at(point) {
+            taken_up.take(drive, machine, offset, state);
         }
         let now = Sample { drive, machine, stimulus, state, point, since: None };
         while let Some((row, share)) = rows.at(point) {

@@ -73,6 +73,8 @@ pub struct Scene<'a> {
     pub is_sparse: bool,
     /// Lowest pressure of a chamber in the recordings, by the sensors and by the model without effects, Pa; infinite where neither gives one.
     pub lowest_pa: f64,
+    /// Whether it is asked what has changed since the machine file was written, so that it tells the values of this very drive.
+    pub asks_since: bool,
     /// Effects that the machine file holds and that may have changed since it was written.
     pub held: &'a [&'static Hypothesis],
     /// Their amounts, where there is more than a tolerance of them.

@@ -168,6 +168,7 @@ pub fn plan(planned: &Planned<'_>, given: Option<&Stimulus>, done: &(dyn Fn() + 
         // No recording of this drive exists yet: effects that need a pressure near zero are not planned for.
         lowest_pa: f64::INFINITY,
         held: &[],
+        asks_since: false,
         changeable: &[],
     };
     let (effects, not_testable): (Vec<&Hypothesis>, Vec<&Hypothesis>) = CATALOGUE

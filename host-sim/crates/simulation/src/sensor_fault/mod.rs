@@ -12,6 +12,7 @@ mod range_ends;
 mod spikes;
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use dropouts::stretches;
 use range_ends::range_ends;
@@ -210,10 +211,10 @@ impl<'a> Mended<'a> {
         mended
     }
 
-    /// Whether a sensor is at an end of its range in most of the first rows.
-    pub(crate) fn is_at_end(&self, signal: Signal, rows: usize) -> bool {
+    /// Whether a sensor is at an end of its range in most of these rows.
+    pub(crate) fn is_at_end(&self, signal: Signal, rows: Range<usize>) -> bool {
         let found = self.failures.iter().filter(|(of, _)| *of == signal).flat_map(|(_, failures)| &failures.ends);
-        found.into_iter().any(|end| 2 * end.rows.iter().take(rows).filter(|row| **row).count() > rows)
+        found.into_iter().any(|end| 2 * end.rows[rows.clone()].iter().filter(|row| **row).count() > rows.len())
     }
 }
 

@@ -21,6 +21,7 @@ use crate::error::SimulateError;
 use crate::grid::{Grid, Origin, is_sparse};
 use crate::recorded_start::{Start, start};
 use crate::sensor_fault::Mended;
+use crate::taken_up::TakenUp;
 use crate::whitening::Whitening;
 
 pub use crate::input_point::InputPoint;
@@ -221,6 +222,11 @@ impl Stimulus {
             rows: grid.rows,
             whitening: None,
         })
+    }
+
+    /// What a run takes from the recording at this point of the grid.
+    pub(crate) fn taken_up_at(&self, point: usize) -> Option<&TakenUp> {
+        self.start.taken_up.as_ref().filter(|taken_up| taken_up.point(self.tick) == point)
     }
 
     /// Mean recorded temperature of the oil, °C; `None` where it was not recorded.
