@@ -56,6 +56,12 @@ impl Trend {
         self.points.last().map_or(f64::NAN, |point| point.day)
     }
 
+    /// Whether what it is now was told in one night alone, and nights after it, up to this day, did not tell it again.
+    #[must_use]
+    pub fn is_told_once(&self, up_to: f64) -> bool {
+        self.now().is_some_and(|piece| piece.nights.1 - piece.nights.0 == 1) && self.last_day() < up_to
+    }
+
     /// The first and the last night of a piece.
     #[must_use]
     pub fn days(&self, piece: &Piece) -> (f64, f64) {

@@ -121,7 +121,7 @@ pub enum Urgency {
     Reaches(Reach),
     /// It grows, and has no limit or reaches it later.
     Grows,
-    /// It falls, or has jumped in the last month.
+    /// It falls, or has jumped in the last month, or one night alone has told it.
     Changed,
     /// It is as it was.
     Steady,
@@ -135,8 +135,11 @@ const RECENT_DAYS: f64 = 30.0;
 const HORIZON: f64 = 10.0;
 
 impl Urgency {
-    fn of(trend: &Trend, limit: Option<Limit>) -> Self {
+    fn of(trend: &Trend, limit: Option<Limit>, up_to: f64) -> Self {
         let Some(piece) = trend.now() else { return Self::Steady };
+        if trend.is_told_once(up_to) {
+            return Self::Changed;
+        }
         let (value, _) = piece.line.at(trend.last_day());
         let grows = piece.grows && value * piece.line.per_month().0 > 0.0;
         if limit.is_some_and(|limit| value.abs() >= limit.value) {
@@ -285,7 +288,7 @@ pub fn wears(rows: &[Row], limits: &Limits, machines: BTreeMap<String, MachineFi
     let wear = |((drive, parameter), points): ((&str, Parameter), Vec<Point>)| {
         let limit = limits.of(parameter, machines.get(drive).map(|file| &file.machine));
         let trend = Trend::of(points, usual(parameter), each)?;
-        Some(Wear { drive: drive.to_owned(), parameter, urgency: Urgency::of(&trend, limit), limit, trend })
+        Some(Wear { drive: drive.to_owned(), parameter, urgency: Urgency::of(&trend, limit, day_of(to)), limit, trend })
     };
     let mut all: Vec<Wear> = series.into_iter().filter_map(wear).collect();
     all.sort_by(|one, other| one.urgency.rank().cmp(&other.urgency.rank()).then(one.order().total_cmp(&other.order())));
@@ -297,6 +300,7 @@ mod tests {
     use fleet::{Judgement, Strength};
 
     use super::*;
+    use crate::words;
 
     fn row(drive: &str, night: &str, strengths: &[(Parameter, f64)]) -> Row {
         Row {
@@ -324,20 +328,23 @@ mod tests {
             let grows = |by: f64| [(leak, 1e-12 + by * f64::from(day))];
             rows.push(row("steady", &night, &grows(0.0)));
             rows.push(row("slow", &night, &grows(2e-14)));
-            let (level, soon) = ([(leak, 3e-12)], [(leak, 1e-13 * f64::from(day))]);
+            let (level, soon, worn) = ([(leak, 3e-12)], [(leak, 1e-13 * f64::from(day))], [(leak, 9e-12)]);
             rows.push(row("level", &night, if day == 9 { &[] } else { &level }));
             rows.push(row("soon", &night, if day < 5 { &[] } else { &soon }));
-            rows.push(row("gone", &night, &[(leak, 9e-12)]));
+            rows.push(row("gone", &night, &worn));
+            rows.push(row("once", &night, if day == 14 { &worn } else { &[] }));
+            rows.push(row("tonight", &night, if day == 20 { &worn } else { &[] }));
         }
         rows.push(row("soon", "the last one", &[(leak, 1.0)]));
         let limits = Limits::parse(["internal_leakage_conductance_m3_per_s_pa=4e-12"]).unwrap();
         let found = wears(&rows, &limits, BTreeMap::new()).unwrap();
         let order: Vec<&str> = found.all.iter().map(|wear| &*wear.drive).collect();
-        assert_eq!(order, ["gone", "soon", "slow", "level", "steady"], "{:?}", found.all);
-        let Urgency::Reaches(reach) = found.all[1].urgency else { panic!("{:?}", found.all[1]) };
+        assert_eq!(order, ["gone", "tonight", "soon", "slow", "once", "level", "steady"], "{:?}", found.all);
+        assert_eq!(words::state(&found, &found.all[4]), "told in the night of 2026-11-14 alone");
+        let Urgency::Reaches(reach) = found.all[2].urgency else { panic!("{:?}", found.all[2]) };
         assert_eq!(date_of(reach.expected).unwrap().to_string(), "2026-12-10");
-        assert_eq!((found.all[1].trend.points.len(), found.all[3].trend.points.len()), (16, 19));
-        assert!(found.all[3].urgency.is_steady() && found.no_dates.contains("the last one"));
+        assert_eq!((found.all[2].trend.points.len(), found.all[5].trend.points.len()), (16, 19));
+        assert!(found.all[5].urgency.is_steady() && found.no_dates.contains("the last one"));
         assert_eq!(found.nights.1.to_string(), "2026-11-20");
         assert_eq!(found.drives["soon"].of(Judgement::InBand), 4);
     }

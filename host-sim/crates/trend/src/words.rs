@@ -70,6 +70,9 @@ pub fn state(wears: &Wears, wear: &Wear) -> String {
     let Some(piece) = trend.now() else { return String::new() };
     let (first, last) = trend.days(piece);
     let day = |day: f64| date_of(day).map_or_else(String::new, |date| date.to_string());
+    if trend.is_told_once(day_of(wears.nights.1)) {
+        return format!("told in the night of {} alone", day(last));
+    }
     let (rate, rate_std) = piece.line.per_month();
     let (value, std) = piece.line.at(last);
     if piece.grows {
