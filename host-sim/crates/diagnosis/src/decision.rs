@@ -9,7 +9,7 @@ use crate::catalogue::Hypothesis;
 use crate::finding::{Finding, finding};
 use crate::selection::veto::stands_on_own_sides;
 use crate::selection::{Candidate, Chosen, Confirmation, Question, Selection, confirm};
-use crate::since::is_of_the_day;
+use crate::since::is_told_by_any_day;
 
 /// What is accepted.
 pub(crate) struct Decision {
@@ -95,11 +95,11 @@ fn is_there_anyway(question: &Question<'_>, chosen: &Candidate) -> bool {
 }
 
 /// Whether the effects of a candidate model make up for something else: it still misses more than noise although a base value is one that no such drive
-/// has. Where the machine file tells the values of this very drive, such a value is enough, and so is one of the oil and of the day that no day explains.
+/// has. Where the machine file tells the values of this very drive, such a value is enough, and so is one of the oil and of the day, its viscosity apart, that no day explains.
 fn makes_up(question: &Question<'_>, chosen: &Candidate, estimates: &[Estimate]) -> bool {
     let far = far_values(question.scene.machine, question.base_parameters, estimates);
     let is_impossible = far.iter().any(|far| far.is_impossible);
-    let is_of_no_day = || far.iter().any(|far| is_of_the_day(far.parameter));
+    let is_of_no_day = || far.iter().any(|far| is_told_by_any_day(far.parameter));
     if question.scene.asks_since {
         return is_impossible || is_of_no_day();
     }

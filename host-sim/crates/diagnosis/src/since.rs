@@ -156,9 +156,9 @@ const OF_THE_DAY: [(Parameter, &[&str]); 5] = [
     (Parameter::AirShare, &["hose-compliance"]),
 ];
 
-/// Whether a value is one of the oil and of the day.
-pub(crate) fn is_of_the_day(parameter: Parameter) -> bool {
-    OF_THE_DAY.iter().any(|(of_the_day, _)| *of_the_day == parameter)
+/// Whether a value is one of the oil and of the day, and yet so known that no day makes it much different: cold oil has several times the viscosity.
+pub(crate) fn is_told_by_any_day(parameter: Parameter) -> bool {
+    parameter != Parameter::ViscousFriction && OF_THE_DAY.iter().any(|(of_the_day, _)| *of_the_day == parameter)
 }
 
 /// What depends on how a drive is moved, and is open again with other commands: the dead time stands for how a spool of higher order begins to move.
