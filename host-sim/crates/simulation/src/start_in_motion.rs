@@ -439,7 +439,8 @@ mod tests {
             let recording = cut(from, command, &ALL);
             let start = start(&recording);
             assert!(start.spool.is_some_and(|spool| !spool.rests), "{from}: {start:?}");
-            assert!((0.2..0.3).contains(&start.unknown_for_s), "{from}: {start:?}");
+            // Of a wave one moment may be far calmer than those before; a quarter is the most that is lost.
+            assert!((0.2..0.38).contains(&start.unknown_for_s), "{from}: {start:?}");
             let spool = over_noise(&recording, Signal::Spool);
             assert!(spool < 1.2, "{from}: {spool}");
         }
