@@ -95,7 +95,8 @@ fn is_there_anyway(question: &Question<'_>, chosen: &Candidate) -> bool {
 }
 
 /// Whether the effects of a candidate model make up for something else: it still misses more than noise although a base value is one that no such drive
-/// has. Where the machine file tells the values of this very drive, such a value is enough, and so is one of the oil and of the day, its viscosity apart, that no day explains.
+/// has. Where the machine file tells the values of this very drive, such a value is enough, and so is one of the oil and of the day, its viscosity apart,
+/// that no day explains.
 fn makes_up(question: &Question<'_>, chosen: &Candidate, estimates: &[Estimate]) -> bool {
     let far = far_values(question.scene.machine, question.base_parameters, estimates);
     let is_impossible = far.iter().any(|far| far.is_impossible);

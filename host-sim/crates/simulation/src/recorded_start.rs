@@ -108,7 +108,7 @@ fn at_start(time_s: &[f64], values: &[f64], noise: f64) -> f64 {
     for rows in LEAST_ROWS..=values.len() {
         let line = Line::through(&time_s[..rows], &values[..rows], noise);
         let (value, std) = if line.clear_slope() == 0.0 {
-            (line.mean, line.mean_std())
+            (line.mean, line.mean_std)
         } else {
             (line.at_start, line.std_at(time_s[0]))
         };

@@ -56,6 +56,12 @@ const SETTLED: f64 = 5.0;
 /// No more than this share of a recording is unknown: less would be left of short ones than they show.
 const MOST_UNKNOWN: f64 = 0.25;
 
+/// A command is a ramp in the first rows where none is off a straight line by more than this share of their change.
+const STRAIGHT: f64 = 0.1;
+/// A spool that follows a ramp from before goes as fast as the ramp; one that rested gains less than 0.6 of that in the time by which it trails, even
+/// if the valve is twice as fast as its data sheet says.
+const AS_FAST: f64 = 0.7;
+
 /// How long the beginning of a recording may be unknown, s.
 pub(crate) fn longest_unknown_s(time_s: &[f64]) -> f64 {
     MOST_UNKNOWN * (time_s[time_s.len() - 1] - time_s[0])
@@ -76,12 +82,6 @@ struct Beginning<'a> {
     settles: bool,
     first_rows: usize,
 }
-
-/// A command is a ramp in the first rows where none is off a straight line by more than this share of their change.
-const STRAIGHT: f64 = 0.1;
-/// A spool that follows a ramp from before goes as fast as the ramp; one that rested gains less than 0.6 of that in the time by which it trails, even
-/// if the valve is twice as fast as its data sheet says.
-const AS_FAST: f64 = 0.7;
 
 /// No spool travels this far, 1: half beyond its rated travel.
 const MOST_TRAVEL: f64 = 1.5;
@@ -149,25 +149,24 @@ impl<'a> Beginning<'a> {
 
     /// The spool, where it is not at rest where the command would hold it.
     fn spool(&self, spool: &[f64]) -> Option<SpoolAtStart> {
-        let noise = noise_of(spool);
-        let get = |parameter| self.machine.get(parameter);
-        let first = Line::through(&self.time_s[..self.first_rows], &spool[..self.first_rows], noise);
-        let (low, high) = extent(&spool[..self.undisturbed]);
-        if let Some(followed) = self.along_a_ramp(spool) {
+        let ramp = self.ramp();
+        if let Some(followed) = ramp.and_then(|ramp| self.along(ramp, spool)) {
             return Some(followed);
         }
+        let noise = noise_of(spool);
+        let first = Line::through(&self.time_s[..self.first_rows], &spool[..self.first_rows], noise);
+        let (low, high) = extent(&spool[..self.undisturbed]);
         // A spool that follows a command trails it by the delay and the lags.
         let rows = self.undisturbed.max(if self.is_hardly_disturbed(spool) { LEAST_ROWS_OF_SLOPE } else { 0 });
         let slope = Line::through(&self.time_s[..rows], &spool[..rows], noise).clear_slope();
         let trails = self.trails_s();
         let follows = rows >= LEAST_ROWS_OF_SLOPE && (slope * trails).abs() > (BEYOND_NOISE * noise).max(LEAST_TRAVEL);
         let moves = follows || high - low > (2.0 * BEYOND_NOISE * noise).max(LEAST_TRAVEL);
-        let by_command =
-            get(Parameter::ValveGain) * self.recording.signal(Signal::Command).map_or(0.0, |volts| volts[0]);
-        let displaced = (first.at_start - by_command - get(Parameter::ValveOffset)).abs();
+        let by_command = self.by_command();
+        let displaced = (first.at_start - by_command - self.machine.get(Parameter::ValveOffset)).abs();
         let is_displaced = !self.settles && displaced > NOMINAL_OFFSET + NOMINAL_GAIN * by_command.abs();
         // A wave's spool that turns just then does not rest.
-        let trailed = self.ramp().map_or(0.0, |(slope_per_s, _)| slope_per_s.abs() * trails);
+        let trailed = ramp.map_or(0.0, |(slope_per_s, _)| slope_per_s.abs() * trails);
         // A reading beyond every travel is in another unit, and no state to start from.
         ((moves || is_displaced) && first.at_start.abs() < MOST_TRAVEL).then(|| {
             // Of a command that is held, only the first rows tell how it begins.
@@ -178,6 +177,11 @@ impl<'a> Beginning<'a> {
                 rests: slope_per_s == 0.0 && displaced > 2.0 * trailed,
             }
         })
+    }
+
+    /// Where the first command holds a spool without offset, 1.
+    fn by_command(&self) -> f64 {
+        self.machine.get(Parameter::ValveGain) * self.recording.signal(Signal::Command).map_or(0.0, |volts| volts[0])
     }
 
     /// By what a spool trails its command, s.
@@ -202,9 +206,8 @@ impl<'a> Beginning<'a> {
         })
     }
 
-    /// The spool that goes along with a ramp of its command from the first row on: it followed it before.
-    fn along_a_ramp(&self, spool: &[f64]) -> Option<SpoolAtStart> {
-        let (ramp, rows) = self.ramp()?;
+    /// The spool that goes along with such a ramp from the first row on: it followed it before.
+    fn along(&self, (ramp, rows): (f64, usize), spool: &[f64]) -> Option<SpoolAtStart> {
         let line = Line::through(&self.time_s[..rows], &spool[..rows], 0.0);
         (line.slope * ramp.signum() > AS_FAST * ramp.abs() && line.at_start.abs() < MOST_TRAVEL)
             .then_some(SpoolAtStart { reading: line.at_start, slope_per_s: line.slope, rests: false })
@@ -215,9 +218,7 @@ impl<'a> Beginning<'a> {
     fn is_on_a_ramp(&self) -> bool {
         let Some((slope_per_s, _)) = self.ramp() else { return false };
         let of_two_rows = 2.0 * slope_per_s * (self.time_s[1] - self.time_s[0]);
-        let by_command = self.recording.signal(Signal::Command).map_or(0.0, |volts| volts[0])
-            * self.machine.get(Parameter::ValveGain);
-        by_command.abs() > of_two_rows.abs().max(LEAST_TRAVEL) || self.velocity(true) != 0.0
+        self.by_command().abs() > of_two_rows.abs().max(LEAST_TRAVEL) || self.velocity(true) != 0.0
     }
 
     /// Whether what the command changes in the rows of a slope cannot be what moves the spool in them: it acts only at their end, on a spool that lags, and

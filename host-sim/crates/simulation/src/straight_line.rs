@@ -20,8 +20,10 @@ pub(crate) struct Line {
     pub(crate) slope: f64,
     /// Where it is at the first of its rows.
     pub(crate) at_start: f64,
-    mean_std: f64,
-    slope_std: f64,
+    /// How uncertain the mean of its rows is.
+    pub(crate) mean_std: f64,
+    /// How uncertain its slope is.
+    pub(crate) slope_std: f64,
     middle_s: f64,
 }
 
@@ -51,16 +53,6 @@ impl Line {
     /// How uncertain that is.
     pub(crate) fn std_at(&self, time_s: f64) -> f64 {
         libm::hypot(self.mean_std, self.slope_std * (time_s - self.middle_s))
-    }
-
-    /// How uncertain the mean of its rows is.
-    pub(crate) fn mean_std(&self) -> f64 {
-        self.mean_std
-    }
-
-    /// How uncertain its slope is.
-    pub(crate) fn slope_std(&self) -> f64 {
-        self.slope_std
     }
 
     /// The slope, where it is not one of noise; else 0.

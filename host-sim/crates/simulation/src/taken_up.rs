@@ -1,8 +1,8 @@
 //! Where a recording that begins in motion is taken up.
 //!
 //! What the first rows tell of pressures and velocity is only as good as the rows after them: there are none before. An error of some mm/s in the velocity
-//! makes the oil spring ring, for as long as a short recording lasts. So a run from such a row goes on until the valve has settled and nothing changes quickly, and then takes
-//! pressures, velocity and position from the rows on both sides of that moment. The rows before are not judged.
+//! makes the oil spring ring, for as long as a short recording lasts. So a run from such a row goes on until the valve has settled and nothing changes
+//! quickly, and then takes pressures, velocity and position from the rows on both sides of that moment. The rows before are not judged.
 
 use std::ops::Range;
 
@@ -147,7 +147,7 @@ impl<'a> Channel<'a> {
 
     /// Its slope after this time, s, and for how long its rows tell the same.
     fn slope(&self, after_s: f64) -> Option<(f64, f64)> {
-        self.estimate(after_s, LEAST_ROWS_OF_SLOPE, |line| (line.slope, line.slope_std()))
+        self.estimate(after_s, LEAST_ROWS_OF_SLOPE, |line| (line.slope, line.slope_std))
     }
 
     /// What the rows tell of a moment, by the widest window that agrees with all narrower ones within the noise: of a straight stretch many rows, of a bend
