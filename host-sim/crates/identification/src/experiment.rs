@@ -5,7 +5,9 @@ use model_core::machine::{Machine, MachineError, Parameter, Source, Tick};
 use recording::{Recording, Signal};
 use simulation::sensor_fault::{Failures, Mended, RangeEnd, Stretch, bridged};
 use simulation::signal::noise::{extent, noise, resolution};
-use simulation::{InputPoint, SimulateError, Start, Stimulus, Whitening, first_input_point, is_sparse, tick_for};
+use simulation::{
+    InputPoint, Shown, SimulateError, Start, Stimulus, Whitening, first_input_point, is_sparse, tick_for,
+};
 
 use crate::compare::judged;
 use crate::effort::Effort;
@@ -265,6 +267,18 @@ impl Prepared {
     pub fn following(&self) -> Option<Self> {
         let is_judged = self.channels.iter().any(|channel| channel.signal == Signal::Spool);
         let stimulus = self.stimulus.following().filter(|_| is_judged)?;
+        Some(Self { stimulus, ..self.clone() })
+    }
+
+    /// The same with its runs held near the recording, which lead a search there from afar, so many `times` more seldom than the rows allow; `None` where it does
+    /// not show both pressures and the motion.
+    #[must_use]
+    pub fn held(&self, times: u32) -> Option<Self> {
+        let channels = self.channels.iter();
+        let shown: Vec<Shown<'_>> =
+            channels.map(|one| Shown { signal: one.signal, values: &one.recorded, lost: &one.failed }).collect();
+        let is_plain = !self.stimulus.is_whitened();
+        let stimulus = self.stimulus.held(&self.time_s, &shown, times).filter(|_| is_plain)?;
         Some(Self { stimulus, ..self.clone() })
     }
 

@@ -46,6 +46,7 @@ pub use run::{SignalsOfRow, Trajectory, computed_below, rows_f64, simulate_f64, 
 pub use start_in_motion::SpoolAtStart;
 pub use stepper::{Inputs, Kept, Live, OtherArithmetic};
 pub use stimulus::coarse::Coarser;
+pub use stimulus::held::Shown;
 pub use stimulus::{
     InputPoint, RunningSum, Stimulus, first_input_point, is_carried, is_driven_by_pressures, natural_tick, tick_for,
 };

@@ -45,15 +45,18 @@ const BY: f64 = 2.0;
 const INTERVAL: f64 = 2.5;
 /// How much wider each window is than the one before.
 const WIDER: f64 = 1.4;
+/// A window that tells is not made wider than this on either side, s: of a rest it would be as long as the recording.
+const WIDEST_S: f64 = 1.0;
 
 impl TakenUp {
     /// What a recording shows at the first calm moment after the time that its start leaves unknown, s; where there is none, at one that is far calmer than those before. `None` where it
     /// is too short, or does not show both pressures and the motion.
     pub(crate) fn of(mended: &Mended<'_>, unknown_for_s: f64) -> Option<Self> {
         let time_s = mended.recording.time_s();
-        let channel = |signal| Channel::new(mended, signal);
-        let (a, b) = (channel(Signal::PressureA)?, channel(Signal::PressureB)?);
-        let (velocity, position) = (channel(Signal::Velocity), channel(Signal::Position));
+        let channels = Channels::of(|signal| {
+            let values = mended.recording.signal(signal)?;
+            Some(Channel::new(time_s, values, move |rows| mended.is_at_end(signal, rows)))
+        })?;
         let of_rows_s = time_s.get(LEAST_ROWS_OF_SLOPE)? - time_s[0];
         let grid_s = Tick::TwoMilliseconds.seconds();
         let on_grid = |after_s: f64| (after_s / grid_s).ceil() * grid_s;
@@ -65,17 +68,9 @@ impl TakenUp {
             if after_s > longest_s {
                 break;
             }
-            let value = |channel: &Channel<'_>| channel.value(after_s);
-            let motion = velocity.as_ref().and_then(value).or_else(|| position.as_ref()?.slope(after_s));
-            let (Some((a, calm_a)), Some((b, calm_b)), Some((velocity, calm_v))) = (value(&a), value(&b), motion)
-            else {
-                continue;
-            };
-            let calm_s = calm_a.min(calm_b).min(calm_v);
+            let Some((taken_up, calm_s)) = channels.at(after_s) else { continue };
             if calmest.is_none_or(|(known, _)| calm_s > BY * known) {
-                let position_m = position.as_ref().and_then(value).map(|(position_m, _)| position_m);
-                calmest =
-                    Some((calm_s, Self { after_s, pressures_pa: (a, b), velocity_m_per_s: velocity, position_m }));
+                calmest = Some((calm_s, taken_up));
             }
             if calm_s >= CALM_S {
                 break;
@@ -123,20 +118,45 @@ impl TakenUp {
     }
 }
 
+/// The channels of a recording that tell how oil and mass move.
+pub(crate) struct Channels<'a> {
+    pressures: (Channel<'a>, Channel<'a>),
+    velocity: Option<Channel<'a>>,
+    position: Option<Channel<'a>>,
+}
+
+impl<'a> Channels<'a> {
+    /// `None` where a pressure is not recorded.
+    pub(crate) fn of(channel: impl Fn(Signal) -> Option<Channel<'a>>) -> Option<Self> {
+        let pressures = (channel(Signal::PressureA)?, channel(Signal::PressureB)?);
+        Some(Self { pressures, velocity: channel(Signal::Velocity), position: channel(Signal::Position) })
+    }
+
+    /// What they show after this time, s, and for how long their rows tell the same; `None` where one does not tell.
+    pub(crate) fn at(&self, after_s: f64) -> Option<(TakenUp, f64)> {
+        let Self { pressures: (a, b), velocity, position } = self;
+        let value = |channel: &Channel<'_>| channel.value(after_s);
+        let ((a, calm_a), (b, calm_b)) = (value(a)?, value(b)?);
+        let motion = velocity.as_ref().and_then(value).or_else(|| position.as_ref()?.slope(after_s));
+        let (velocity_m_per_s, calm_v) = motion?;
+        let position_m = position.as_ref().and_then(value).map(|(position_m, _)| position_m);
+        let shown = TakenUp { after_s, pressures_pa: (a, b), velocity_m_per_s, position_m };
+        Some((shown, calm_a.min(calm_b).min(calm_v)))
+    }
+}
+
 /// A channel of a recording.
-struct Channel<'a> {
-    mended: &'a Mended<'a>,
-    signal: Signal,
+pub(crate) struct Channel<'a> {
     time_s: &'a [f64],
     values: &'a [f64],
     noise: f64,
+    /// Whether these rows say nothing.
+    is_lost: Box<dyn Fn(Range<usize>) -> bool + 'a>,
 }
 
 impl<'a> Channel<'a> {
-    /// `None` where the signal is not recorded.
-    fn new(mended: &'a Mended<'a>, signal: Signal) -> Option<Self> {
-        let values = mended.recording.signal(signal)?;
-        Some(Self { mended, signal, time_s: mended.recording.time_s(), values, noise: noise_of(values) })
+    pub(crate) fn new(time_s: &'a [f64], values: &'a [f64], is_lost: impl Fn(Range<usize>) -> bool + 'a) -> Self {
+        Self { time_s, values, noise: noise_of(values), is_lost: Box::new(is_lost) }
     }
 
     /// Its value after this time, s, and for how long its rows tell the same.
@@ -152,12 +172,15 @@ impl<'a> Channel<'a> {
 
     /// What the rows tell of a moment, by the widest window that agrees with all narrower ones within the noise: of a straight stretch many rows, of a bend
     /// few (intersection of confidence intervals; Goldenshluger and Nemirovski 1997). `quantity` gives a value and its standard deviation. `None` where the
-    /// sensor is at an end of its range, or there are too few rows.
+    /// rows say nothing, or are too few.
     fn estimate(&self, after_s: f64, least_rows: usize, quantity: impl Fn(&Line) -> (f64, f64)) -> Option<(f64, f64)> {
         let mut half_s = self.time_s.get(least_rows)? - self.time_s[0];
         let (mut low, mut high, mut found) = (f64::NEG_INFINITY, f64::INFINITY, None);
         while half_s <= after_s {
             let rows = self.rows(after_s, half_s);
+            if (self.is_lost)(rows.clone()) {
+                break;
+            }
             if rows.len() > least_rows {
                 let line = Line::through(&self.time_s[rows.clone()], &self.values[rows], self.noise);
                 let (value, std) = quantity(&line);
@@ -168,8 +191,11 @@ impl<'a> Channel<'a> {
                 found = Some((value, half_s));
             }
             half_s *= WIDER;
+            if found.is_some() && half_s > WIDEST_S {
+                break;
+            }
         }
-        found.filter(|(_, half_s)| !self.mended.is_at_end(self.signal, self.rows(after_s, *half_s)))
+        found
     }
 
     /// The rows that are no further from a moment than this, s.

@@ -42,7 +42,7 @@ const AT_NOISE: f64 = 1.03;
 
 /// Times its noise beyond which the worst signal counts as far off: more of it is misfit than noise (in square three quarters). Source:
 /// chosen.
-const FAR_OFF: f64 = 2.0;
+pub(crate) const FAR_OFF: f64 = 2.0;
 
 // One candidate model over another.
 

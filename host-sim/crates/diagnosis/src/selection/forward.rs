@@ -35,6 +35,7 @@ enum Step {
     Refined,
     Played,
     Extended,
+    Sticking,
 }
 
 /// About what a rough refit of a candidate model costs, s on two cores.
@@ -187,7 +188,7 @@ impl Course {
         done: &(impl Fn(&str) + Sync),
     ) -> Result<Vec<(Candidate, f64)>, FitError> {
         let effort = question.effort();
-        for step in [Step::Refined, Step::Played, Step::Extended] {
+        for step in [Step::Refined, Step::Played, Step::Extended, Step::Sticking] {
             if effort.is_used_up() {
                 self.searched.leave(Stage::Effects(round + 1));
                 break;
@@ -197,6 +198,7 @@ impl Course {
                 Step::Played if round == 0 => self.played(question, all)?,
                 Step::Played => all,
                 Step::Extended => self.extended(question, all, near, done)?,
+                Step::Sticking => self.sticking(question, all)?,
             };
         }
         Ok(all)

@@ -17,6 +17,7 @@ mod round;
 pub mod screen;
 pub(crate) mod search;
 pub(crate) mod searched;
+mod stick_slip;
 mod valve;
 pub(crate) mod veto;
 

@@ -60,6 +60,7 @@ impl Stimulus {
             damping: self.damping,
             rows,
             whitening,
+            held: self.held.clone(),
         };
         Some(Coarser { stimulus, kept })
     }

@@ -2,11 +2,13 @@
 
 mod added_force;
 pub(crate) mod coarse;
+pub(crate) mod held;
 mod load_balance;
 mod running_sum;
 
 use std::sync::Arc;
 
+use held::Held;
 use load_balance::{balance, light_damping, pressure_force};
 
 use machine_file::{LoadSource, carried};
@@ -71,6 +73,8 @@ pub struct Stimulus {
     pub(crate) rows: Vec<(usize, f64)>,
     /// Where what signals gain is judged in place of what they are.
     pub(crate) whitening: Option<Whitening>,
+    /// Where runs of it are held near the recording.
+    held: Option<Held>,
 }
 
 /// The drive input furthest upstream that a recording allows for a machine's source. Where nothing else drives it, both chamber pressures are the force.
@@ -221,12 +225,14 @@ impl Stimulus {
             damping,
             rows: grid.rows,
             whitening: None,
+            held: None,
         })
     }
 
     /// What a run takes from the recording at this point of the grid.
     pub(crate) fn taken_up_at(&self, point: usize) -> Option<&TakenUp> {
-        self.start.taken_up.as_ref().filter(|taken_up| taken_up.point(self.tick) == point)
+        let at_start = || self.start.taken_up.as_ref().filter(|taken_up| taken_up.point(self.tick) == point);
+        self.held.as_ref().and_then(|held| held.at(point, self.tick)).or_else(at_start)
     }
 
     /// Mean recorded temperature of the oil, °C; `None` where it was not recorded.

@@ -225,6 +225,9 @@ fn joined(
         let stay: Vec<&str> = stay.map(|chosen| chosen.effect.plainest()).collect();
         candidates.extend(reduced(question, base, other, &stay)?);
     }
+    // With the spool as the model has it, a rod that sticks and slips gets out of step once more.
+    let led = candidates.first().map(|found| found.sticking(question)).transpose()?.flatten();
+    candidates.extend(led);
     ranked_by_misfit(question, base, finished(question, base, candidates)?, exchanged)
 }
 
