@@ -77,16 +77,22 @@ struct Falling {
 }
 
 impl Course {
-    /// A ranked round, with a friction that falls with speed in the likeliest candidate model whose newest effect is a dry friction.
+    /// A ranked round, with a friction that falls with speed in the likeliest candidate model whose newest effect is a dry friction, where a dry friction of any kind
+    /// is likelier than all else.
     pub(super) fn sticking(
         &self,
         question: &Question<'_>,
         ranked: Vec<(Candidate, f64)>,
     ) -> Result<Vec<(Candidate, f64)>, FitError> {
-        let has_friction = |candidate: &&Candidate| candidate.with_falling_friction(question).is_some();
-        let is_followed = ranked.first().is_none_or(|(best, _)| best.worst_over_noise(question) <= FAR_OFF);
-        let mut friction = ranked.iter().map(|(candidate, _)| candidate).filter(|_| !is_followed);
-        let Some(found) = friction.find(has_friction).map(|one| one.sticking(question)).transpose()?.flatten() else {
+        let newest = |candidate: &Candidate| candidate.effects.last().map(|newest| newest.effect.plainest());
+        let Some((best, _)) = ranked.first().filter(|(best, _)| best.worst_over_noise(question) > FAR_OFF) else {
+            return Ok(ranked);
+        };
+        let is_alike = |candidate: &&Candidate| {
+            newest(candidate) == newest(best) && candidate.with_falling_friction(question).is_some()
+        };
+        let friction = ranked.iter().map(|(candidate, _)| candidate).find(is_alike);
+        let Some(found) = friction.map(|one| one.sticking(question)).transpose()?.flatten() else {
             return Ok(ranked);
         };
         finished(question, &self.base, candidates(ranked).into_iter().chain([found]).collect())
