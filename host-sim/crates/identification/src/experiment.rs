@@ -274,11 +274,14 @@ impl Prepared {
     /// not show both pressures and the motion.
     #[must_use]
     pub fn held(&self, times: u32) -> Option<Self> {
+        // Gains are no signals as recorded.
+        if self.stimulus.is_whitened() {
+            return None;
+        }
         let channels = self.channels.iter();
         let shown: Vec<Shown<'_>> =
             channels.map(|one| Shown { signal: one.signal, values: &one.recorded, lost: &one.failed }).collect();
-        let is_plain = !self.stimulus.is_whitened();
-        let stimulus = self.stimulus.held(&self.time_s, &shown, times).filter(|_| is_plain)?;
+        let stimulus = self.stimulus.held(&self.time_s, &shown, times)?;
         Some(Self { stimulus, ..self.clone() })
     }
 

@@ -18,7 +18,7 @@ use crate::catalogue::{Hypothesis, is_elastic};
 /// Share of the sliding friction that the search begins with in excess at rest: in the middle of the usual 0.1 to 1.6 times.
 const EXCESS: f64 = 0.5;
 
-/// How seldom runs are held, one refit after the other, in the shortest time that the rows allow.
+/// How many times more seldom than the rows allow runs are held, one refit after the other.
 const HELD: [u32; 3] = [1, 3, 10];
 
 impl Candidate {
@@ -26,13 +26,12 @@ impl Candidate {
     /// lead. `None` where it follows the recordings, its newest effect is no dry friction, nobody asks for the other, or the recordings do not show pressures and motion.
     pub(super) fn sticking(&self, question: &Question<'_>) -> Result<Option<Self>, FitError> {
         let falling = self.with_falling_friction(question).filter(|_| self.worst_over_noise(question) > FAR_OFF);
-        let Some(Falling { effects, values }) = falling else { return Ok(None) };
+        let Some(Falling { effects, mut values }) = falling else { return Ok(None) };
         let refitted = |question: &Question<'_>, fit: &Fit, values: &[(Parameter, f64)], precision: f64| {
             let from = Beginning { fit, values, settled: &[], goes: Goes::ToTheEnd(precision) };
             Self::refitted(question, effects.clone(), self.jumps.clone(), &from)
         };
         let mut led = self.clone();
-        let mut values = values;
         for times in HELD {
             let held: Option<Vec<Prepared>> = question.training.iter().map(|case| case.held(times)).collect();
             let Some(held) = held else { return Ok(None) };
@@ -77,8 +76,7 @@ struct Falling {
 }
 
 impl Course {
-    /// A ranked round, with a friction that falls with speed in the likeliest candidate model whose newest effect is a dry friction, where a dry friction of any kind
-    /// is likelier than all else.
+    /// A ranked round; where its likeliest candidate model adds a dry friction of any kind, with one more in which friction falls with speed.
     pub(super) fn sticking(
         &self,
         question: &Question<'_>,
@@ -110,7 +108,7 @@ mod tests {
     use crate::selection::search::tests::added;
     use crate::test_scene::scene;
 
-    /// Presses with little damping, of which a friction that falls with speed makes each swing.
+    /// Presses with little damping that swing by their friction. They were chosen because a free refit misses them.
     #[test]
     fn held_runs_lead_to_a_friction_that_a_free_refit_from_the_same_start_misses() {
         const SENSORS: [(Signal, f64); 3] =
