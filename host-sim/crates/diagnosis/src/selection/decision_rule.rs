@@ -276,7 +276,7 @@ pub(crate) const UNMEASURED_SPOOL_GAINS: f64 = ONCE_IN_TWENTY;
 
 // Held-out recordings, which only veto.
 
-/// Of so many held-out recordings at least one has to gain. Source: half of them: chosen.
+/// Of so many held-out recordings at least one has to gain, and to keep what was promised of a signal that is far off. Source: half of them: chosen.
 pub(crate) const ONE_GAINS_OF: usize = 2;
 
 /// What one signal may lose over all held-out recordings, in log-likelihood, if it is missed then ([`MISSED_FROM`]): one that the model follows may come
