@@ -27,5 +27,5 @@ pub use crate::sensing::Sensors;
 pub use crate::sensing::sensors::{Delay, Lag, Reading};
 pub use crate::valve::Valve;
 pub use crate::valve::effects::{
-    FlowForce, Hysteresis, NullDrift, SolenoidSaturation, SpeedLimit, Stiction, SwingingLimit, ValveEffects,
+    FlowForce, Hysteresis, NullDrift, SolenoidSaturation, SpeedLimit, Stiction, Swing, SwingingLimit, ValveEffects,
 };

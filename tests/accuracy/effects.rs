@@ -118,7 +118,9 @@ fn each_effect_and_the_pump_drive_follow_the_oracle() {
         add(drive.name, STOP.name(), valve(&machine, &[STOP]), Case::Stop, Case::StopRounding);
         for form in BASE_FORMS {
             let found = valve(&drive.machine.with(form.values), &[]);
-            add(drive.name, form.name, found, Case::Effects, Case::Rounding);
+            let is_late = form.values.iter().any(|(parameter, _)| *parameter == P::TransportDelay);
+            let case = if is_late { Case::SpoolWithinTick } else { Case::Effects };
+            add(drive.name, form.name, found, case, Case::Rounding);
         }
         let machine =
             drive.machine.with(&[(P::CavitationFloor, FLOOR_PA), (P::LoadForce, PULL_N), (P::ViscousFriction, 5.0e3)]);

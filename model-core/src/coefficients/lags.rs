@@ -13,7 +13,9 @@
 //! decay_1, decay_2 = e^(−ζk)·(C ± S·k·(1 − ζ))        cross = e^(−ζk)·S·k        back = −2·(1 − ζ)·cross
 //! ```
 //!
-//! Both are exact for a held set value, whatever the tick.
+//! Both are exact for a held set value, whatever the tick. A delay of no whole number of ticks has an older set value for the first share ρ of a tick: lags
+//! answer the mean. A second-order system, whose speed may then be limited, answers each when it is there: of G, the answer to a step at the tick's start, the
+//! older value has the share 1 − G((1 − ρ)·h)/G(h), of l and of x.
 
 use core::f64::consts::PI;
 
@@ -29,8 +31,16 @@ pub(super) struct Lags<R> {
     pub(super) decay_2: R,
     /// x by l.
     pub(super) cross: R,
-    /// l by x; `None` for lags.
-    pub(super) back: Option<R>,
+    /// `None` for lags.
+    pub(super) swing: Option<Swing<R>>,
+}
+
+/// What a second-order system has besides.
+pub(super) struct Swing<R> {
+    /// l by x.
+    pub(super) back: R,
+    /// Of an older set value, which the tick begins with: its share in l and in x.
+    pub(super) older: [R; 2],
 }
 
 impl<R: Real> Lags<R> {
@@ -41,8 +51,21 @@ impl<R: Real> Lags<R> {
 }
 
 impl<R: Real> Builder<'_, R> {
-    pub(super) fn lags(&self) -> Lags<R> {
-        if self.get(P::NaturalFrequency).is_nil() { self.two_lags() } else { self.second_order() }
+    /// The lags; `rest` is the share of a tick that begins with an older set value.
+    pub(super) fn lags(&self, rest: R) -> Lags<R> {
+        if self.get(P::NaturalFrequency).is_nil() {
+            return self.two_lags();
+        }
+        let (whole, later) = (self.swung(R::ONE), self.swung(R::ONE - rest));
+        let share = |whole: R, later: R| {
+            let share = R::ONE - later / whole;
+            // Within a tick as long as half a turn, G may already have come back.
+            if share.value() < 0.0 { R::ZERO } else { share }
+        };
+        let [[l, x], [later_l, later_x]] = [whole.answers(), later.answers()];
+        let older = [share(l, later_l), share(x, later_x)];
+        let Swung { decay_1, decay_2, cross, back } = whole;
+        Lags { decay_1, decay_2, cross, swing: Some(Swing { back, older }) }
     }
 
     /// ω·h
@@ -61,20 +84,31 @@ impl<R: Real> Builder<'_, R> {
         } else {
             R::ZERO
         };
-        Lags { decay_1, decay_2, cross, back: None }
+        Lags { decay_1, decay_2, cross, swing: None }
     }
 
-    fn second_order(&self) -> Lags<R> {
-        let (turn, damping) = (self.turn(), self.get(P::SpoolDamping));
+    /// The second-order system after this part of a tick.
+    fn swung(&self, part: R) -> Swung<R> {
+        let (turn, damping) = (part * self.turn(), self.get(P::SpoolDamping));
         let fades = R::ONE - damping;
         let (c, s) = faded(damping * turn, turn * turn * (damping * damping - R::ONE));
         let cross = s * turn;
-        Lags {
-            decay_1: c + cross * fades,
-            decay_2: c - cross * fades,
-            cross,
-            back: Some(R::constant(-2.0) * fades * cross),
-        }
+        Swung { decay_1: c + cross * fades, decay_2: c - cross * fades, cross, back: R::constant(-2.0) * fades * cross }
+    }
+}
+
+/// A second-order system after some time.
+struct Swung<R> {
+    decay_1: R,
+    decay_2: R,
+    cross: R,
+    back: R,
+}
+
+impl<R: Real> Swung<R> {
+    /// l and x after a step.
+    fn answers(&self) -> [R; 2] {
+        [R::ONE - self.decay_1 - self.back, R::ONE - self.decay_2 - self.cross]
     }
 }
 

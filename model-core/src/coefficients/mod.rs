@@ -142,7 +142,7 @@ impl<R: Real> Builder<'_, R> {
         let step_limit = self.get(P::RateLimit) * R::constant(self.tick_s);
         let limits = N::signal(step_limit).is_some();
         let half_per_step = if limits { R::constant(0.5) / step_limit } else { R::ZERO };
-        let lags = self.lags();
+        let lags = self.lags(delay_rest);
         Ok(Valve {
             gain: self.gain::<N>(
                 "spool travel per command of 1",

@@ -1,12 +1,13 @@
 //! Coefficients of the valve link's effects; `None` where the amount is 0.
 
 use super::Builder;
-use super::lags::Lags;
+use super::lags::{self, Lags};
 use crate::machine::{MachineError, Parameter as P};
 use crate::number::relaxation::{Relaxation, fineness};
 use crate::number::{Number, Real};
 use crate::valve::effects::{
-    FlowForce, Hysteresis, NullDrift, STILL, SolenoidSaturation, SpeedLimit, Stiction, SwingingLimit, ValveEffects,
+    FlowForce, Hysteresis, NullDrift, STILL, SolenoidSaturation, SpeedLimit, Stiction, Swing, SwingingLimit,
+    ValveEffects,
 };
 
 /// Largest ω·h that the limit of a spool's pull reckons with.
@@ -19,10 +20,7 @@ impl<R: Real> Builder<'_, R> {
             saturation: self.solenoid()?,
             hysteresis: self.unless_nil(P::HysteresisWidth, |width| self.hysteresis(width))?,
             flow_force: self.unless_nil(P::FlowForce, |closing| self.flow_force(closing, lags.share()))?,
-            swing: lags
-                .back
-                .map(|back| self.gain::<N>("coupling of the spool's speed", P::NaturalFrequency, back))
-                .transpose()?,
+            swing: lags.swing.as_ref().map(|swing| self.swing(swing)).transpose()?,
             speed_limit: self.speed_limit()?,
             stiction: self.unless_nil(P::StictionBand, |band| {
                 Ok(Stiction {
@@ -48,6 +46,16 @@ impl<R: Real> Builder<'_, R> {
         if strength.is_nil() { Ok(None) } else { effect(strength).map(Some) }
     }
 
+    fn swing<N: Number<Real = R>>(&self, swing: &lags::Swing<R>) -> Result<Swing<N>, MachineError> {
+        let of = P::NaturalFrequency;
+        let older = |share: R| self.signal("share of an older set value", of, share);
+        let [l, x] = swing.older;
+        Ok(Swing {
+            back: self.gain::<N>("coupling of the spool's speed", of, swing.back)?,
+            older: [older(l)?, older(x)?],
+        })
+    }
+
     fn speed_limit<N: Number<Real = R>>(&self) -> Result<Option<SpeedLimit<N>>, MachineError> {
         let step = self.get(P::SpoolSpeedLimit) * R::constant(self.tick_s);
         let Some(step_limit) = N::signal(step) else { return Ok(None) };
@@ -63,6 +71,7 @@ impl<R: Real> Builder<'_, R> {
             lead: Self::limit(lead),
             pull: Self::limit(pull),
             ahead: self.gain::<N>("half a tick of the spool's lead", of, ahead)?,
+            unity: self.steep::<N>("one", of, R::ONE)?,
         };
         Ok(Some(SpeedLimit { step: step_limit, swinging: Some(swinging) }))
     }

@@ -15,12 +15,12 @@ pub struct Form {
 /// What an installed drive has beside the paper's model and that is no effect, on the press of [`Effect::trial`]: the spool as a second-order
 /// system, its largest speed, volumes that follow the piston, pressure in the tank line.
 pub const BASE_FORMS: &[Form] = &[
-    Form { name: "second-order spool", values: &[NO_LAG, NO_SECOND_LAG, NATURAL, DAMPED] },
+    Form { name: "second-order spool", values: &[NO_LAG, NO_SECOND_LAG, NATURAL, DAMPED, LATE] },
     Form {
         name: "second-order spool of limited speed",
-        values: &[NO_LAG, NO_SECOND_LAG, NATURAL, DAMPED, SPEED, (Parameter::SpeedOverdrive, 2.0)],
+        values: &[NO_LAG, NO_SECOND_LAG, NATURAL, DAMPED, LATE, SPEED, (Parameter::SpeedOverdrive, 2.0)],
     },
-    Form { name: "second-order spool of limited pull", values: &[NO_LAG, NO_SECOND_LAG, NATURAL, DAMPED, SPEED] },
+    Form { name: "second-order spool of limited pull", values: &[NO_LAG, NO_SECOND_LAG, NATURAL, DAMPED, LATE, SPEED] },
     Form { name: "lags and limited speed", values: &[SPEED] },
     Form { name: "volumes that follow the piston", values: &[(Parameter::VolumeFollows, 1.0)] },
     Form { name: "pressure in the tank line", values: &[(Parameter::TankPressure, 3e5)] },
@@ -30,6 +30,8 @@ const NO_LAG: (Parameter, f64) = (Parameter::TimeConstant1, 0.0);
 const NO_SECOND_LAG: (Parameter, f64) = (Parameter::TimeConstant2, 0.0);
 const NATURAL: (Parameter, f64) = (Parameter::NaturalFrequency, 25.0);
 const DAMPED: (Parameter, f64) = (Parameter::SpoolDamping, 0.6);
+/// No whole number of ticks.
+const LATE: (Parameter, f64) = (Parameter::TransportDelay, 7.35e-3);
 const SPEED: (Parameter, f64) = (Parameter::SpoolSpeedLimit, 8.0);
 
 macro_rules! forms {

@@ -21,10 +21,9 @@ pub struct ValveEffects<N: Number> {
     pub hysteresis: Option<Hysteresis<N>>,
     #[doc(hidden)]
     pub flow_force: Option<FlowForce<N>>,
-    /// What the spool's position takes from its lead in a tick, where the spool is a second-order system: `back` of
-    /// `coefficients::lags`.
+    /// Where the spool is a second-order system.
     #[doc(hidden)]
-    pub swing: Option<N::Gain>,
+    pub swing: Option<Swing<N>>,
     #[doc(hidden)]
     pub speed_limit: Option<SpeedLimit<N>>,
     #[doc(hidden)]
@@ -227,12 +226,31 @@ impl<N: Number> FlowForce<N> {
     }
 }
 
+/// A spool that is a second-order system instead of two lags.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
+#[doc(hidden)]
+pub struct Swing<N: Number> {
+    /// What its lead takes from its position in a tick: `back` of `coefficients::lags`.
+    pub back: N::Gain,
+    /// The share of an older set value, which a tick begins with, in l and in x: `older` of `coefficients::lags`.
+    pub older: [N; 2],
+}
+
+impl<N: Number> Swing<N> {
+    /// What l and x answer in a tick that begins with the first of these set values and ends with the other.
+    #[inline]
+    pub(crate) fn answered(&self, [first, last]: [N; 2]) -> [N; 2] {
+        self.older.map(|share| last + share.of(first - last))
+    }
+}
+
 /// Largest speed of the spool itself, as oil for its pilot or the solenoid's power limits it, both signs.
 ///
 /// Per unit spool travel. A second-order spool can be pulled towards its set value only as hard as keeps it at this speed, and by
 /// `valve.speed_overdrive` harder; then its speed itself is limited as well. Of two lags only the second is limited. Exact while the speed is at
-/// its limit; while only the pull is, to second order in the tick; in the ticks in which a limit begins and ends the position is off by no more
-/// than half of what the speed changes in a tick.
+/// its limit; else to second order in the tick. Both limits act from the moment within a tick at which they begin: as if they held for the whole tick, a
+/// spool would start up to half a tick too early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "N: crate::number::Written"))]
 #[doc(hidden)]
@@ -254,22 +272,34 @@ pub struct SwingingLimit<N: Number> {
     pub pull: N,
     /// Way in half a tick per lead: ω·h/2.
     pub ahead: N::Gain,
+    /// 1
+    pub unity: N::Steep,
 }
 
-impl<N: Number> SpeedLimit<N> {
-    /// The set value that pulls a spool with this lead at this position.
+impl<N: Number> SwingingLimit<N> {
+    /// The set values that pull a spool with this lead at this position.
     #[inline]
-    pub(crate) fn pulling(&self, lag: N, spool: N, set: N) -> N {
-        let Some(limit) = &self.swinging else { return set };
-        let middle = spool + (lag - spool).part(limit.ahead);
-        middle + (set - middle).limited(limit.pull)
+    pub(crate) fn pulling(&self, (lag, spool): (N, N), sets: [N; 2]) -> [N; 2] {
+        let middle = spool + (lag - spool).part(self.ahead);
+        sets.map(|set| middle + (set - middle).limited(self.pull))
     }
 
-    /// Lead and position after a tick that began at the position `from`.
+    /// Both lags after a tick that began at these and would have ended at `lag` and `free`; `step` is the way in a tick at the largest speed.
     #[inline]
-    pub(crate) fn held(&self, from: N, (lag, free): (N, N)) -> (N, N) {
-        let held = from + (free - from).limited(self.step);
-        (self.swinging.as_ref().map_or(lag, |limit| held + (lag - free).limited(limit.lead)), held)
+    pub(crate) fn held(&self, step: N, (began, from): (N, N), (lag, free): (N, N)) -> (N, N) {
+        let lead = (lag - free).limited(self.lead);
+        let excess = lag - free - lead;
+        let gained = N::choose(excess.equals(N::ZERO), || N::ZERO, || self.gained(began - from, lag - free, excess));
+        let held = from + (free - gained - from).limited(step);
+        (held + lead, held)
+    }
+
+    /// The way that a spool gains in a tick by the part of its lead beyond the limit, `excess`: the lead changes evenly from its first to its last value, and
+    /// is beyond the limit for the last share of the tick.
+    fn gained(&self, first: N, last: N, excess: N) -> N {
+        let beyond = excess.magnitude();
+        let share = N::share(beyond, [((last - first).magnitude() - beyond).max(N::ZERO)], [self.unity]);
+        share.of(excess).part(self.ahead)
     }
 }
 
@@ -388,6 +418,39 @@ mod tests {
             }
             assert!(fastest <= 0.01 + 1e-8 && fastest > 0.0098, "{overdrive}: {fastest}");
             assert!((state.spool().to_f64() - 0.8).abs() < 1e-6, "{overdrive}");
+        }
+    }
+
+    /// Against x″ = ω²·(pull within its limit) − 2·ζ·ω·x′ with x′ within its own, in 2000 steps a tick.
+    #[test]
+    fn the_limits_of_a_spool_begin_within_a_tick() {
+        let (hertz, damping, speed) = (30.0, 0.6, 10.0);
+        let turn = core::f64::consts::TAU * hertz;
+        for overdrive in [0.0, 1.0, 20.0] {
+            let pull = 2.0 * damping * speed / turn * (1.0 + overdrive);
+            for delay in [0.0, 0.35e-3, 0.8e-3, 1.5e-3] {
+                let changes = [
+                    (P::NaturalFrequency, hertz),
+                    (P::SpoolDamping, damping),
+                    (P::SpoolSpeedLimit, speed),
+                    (P::SpeedOverdrive, overdrive),
+                    (P::TransportDelay, delay),
+                ];
+                let valve = valve::<PerUnit>(&changes);
+                let mut state: ValveState<PerUnit, 64> = valve.at_rest(PerUnit::ZERO);
+                let (mut spool, mut velocity, fine) = (0.0_f64, 0.0_f64, 0.5e-6);
+                for tick in 0..60 {
+                    let found = valve.step(&mut state, PerUnit::saturated(0.7)).to.to_f64();
+                    for step in 0..2000 {
+                        let set: f64 = if f64::from(tick * 2000 + step) * fine < delay { 0.0 } else { 0.7 };
+                        let pulled = (set - spool).clamp(-pull, pull);
+                        velocity += (turn * turn * pulled - 2.0 * damping * turn * velocity) * fine;
+                        velocity = velocity.clamp(-speed, speed);
+                        spool += velocity * fine;
+                    }
+                    assert!((found - spool).abs() < 5e-4, "{overdrive} {delay} {tick}: {found} instead of {spool}");
+                }
+            }
         }
     }
 

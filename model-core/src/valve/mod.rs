@@ -25,7 +25,7 @@
 
 pub(crate) mod effects;
 
-use effects::{ValveEffectState, ValveEffects};
+use effects::{SpeedLimit, Swing, ValveEffectState, ValveEffects};
 
 use crate::effects::{AnyEffect, Keeps, Knows};
 use crate::number::Number;
@@ -148,24 +148,15 @@ impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
         let target = self.target(command);
         let target = effects.map_or(target, |effects| effects.characteristic(target, &mut state.effects));
         let mean = self.limit_rate(&mut state.set, target);
-        let delayed = self.delay(&mut state.line, &mut state.head, mean);
+        let [younger, older] = self.delay(&mut state.line, &mut state.head, mean);
+        let change = older - younger;
+        let delayed = younger + self.delay_rest.of(change);
         let from = state.spool;
         let second = effects.map_or(from, |effects| effects.second_lag(&state.effects, from));
-        let swing = effects.and_then(|effects| effects.swing);
-        let limit = effects.and_then(|effects| effects.speed_limit.as_ref());
-        let towards = |set: N| {
-            let set = limit.map_or(set, |limit| limit.pulling(state.lag, second, set));
-            let moved = self.lagged(swing, state.lag, second, set);
-            limit.map_or(moved, |limit| limit.held(second, moved))
-        };
-        let (lag, sliding) = (state.lag, effects.and_then(ValveEffects::sliding));
-        let moved = |set: N| match sliding {
-            Some(stiction) => stiction.slid((lag, second), set, towards),
-            None => towards(set),
-        };
-        let (mut lag, mut free) = moved(delayed);
+        let lags = (state.lag, second);
+        let (mut lag, mut free) = self.moved(effects, lags, delayed, change);
         if let Some(force) = effects.and_then(|effects| effects.flow_force.as_ref()) {
-            (lag, free) = moved(delayed - force.closes(second, free, across));
+            (lag, free) = self.moved(effects, lags, delayed - force.closes(second, free, across), change);
         }
         state.lag = lag;
         state.spool = effects.map_or(free, |effects| effects.handed_on(&mut state.effects, from, free));
@@ -180,17 +171,56 @@ impl<N: Number, E: Keeps<ValveEffects<N>>> Valve<N, E> {
 }
 
 impl<N: Number, E> Valve<N, E> {
-    /// Both lags a tick later, on the way to `set`; `cross` is what the first hands to the second meanwhile, and `swing` what a second-order
-    /// spool hands back.
+    /// Both lags a tick later, on the way to `set` in the mean over the tick, which begins `change` further for the rest of the delay.
+    #[inline(always)]
+    #[expect(
+        clippy::inline_always,
+        reason = "so a drive that is compiled with its values keeps nothing of what it has not"
+    )]
+    fn moved(&self, effects: Option<&ValveEffects<N>>, lags: (N, N), set: N, change: N) -> (N, N) {
+        match effects.and_then(ValveEffects::sliding) {
+            Some(stiction) => stiction.slid(lags, set, |set| self.towards(effects, lags, set, change)),
+            None => self.towards(effects, lags, set, change),
+        }
+    }
+
+    /// The same without stiction.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "as `moved`")]
+    fn towards(&self, effects: Option<&ValveEffects<N>>, lags: (N, N), set: N, change: N) -> (N, N) {
+        let limit = effects.and_then(|effects| effects.speed_limit.as_ref());
+        match effects.and_then(|effects| effects.swing.as_ref()) {
+            None => {
+                let (lag, free) = self.lagged(lags, set);
+                (lag, limit.map_or(free, |limit| lags.1 + (free - lags.1).limited(limit.step)))
+            }
+            Some(swing) => {
+                let last = set - self.delay_rest.of(change);
+                self.swung(swing, limit, lags, [last + change, last])
+            }
+        }
+    }
+
+    /// Both lags a tick later, on the way to `set`; `cross` is what the first hands to the second meanwhile.
     #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    fn lagged(&self, swing: Option<N::Gain>, first: N, second: N, set: N) -> (N, N) {
+    fn lagged(&self, (first, second): (N, N), set: N) -> (N, N) {
         let (first, second) = (first - set, second - set);
-        let lag = match swing {
-            None => first.part(self.decay_1),
-            Some(back) => N::dot([self.decay_1, back], [first, second]),
-        };
-        (set + lag, set + N::dot([self.decay_2, self.cross], [second, first]))
+        (set + first.part(self.decay_1), set + N::dot([self.decay_2, self.cross], [second, first]))
+    }
+
+    /// A second-order spool a tick later, which begins with the first of these set values and ends with the other.
+    // By itself on a controller: a drive without it that is compiled with its values then keeps nothing of it.
+    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
+    fn swung(&self, swing: &Swing<N>, limit: Option<&SpeedLimit<N>>, lags: (N, N), sets: [N; 2]) -> (N, N) {
+        let limit = limit.and_then(|limit| Some((limit, limit.swinging.as_ref()?)));
+        let [lag_set, spool_set] = swing.answered(limit.map_or(sets, |(_, swinging)| swinging.pulling(lags, sets)));
+        let (first, second) = lags;
+        let lag = N::dot([self.decay_1, swing.back], [first - lag_set, second - lag_set]);
+        let spool = N::dot([self.decay_2, self.cross], [second - spool_set, first - spool_set]);
+        let moved = (lag_set + lag, spool_set + spool);
+        limit.map_or(moved, |(limit, swinging)| swinging.held(limit.step, lags, moved))
     }
 
     /// Static characteristic. (15)
@@ -207,17 +237,18 @@ impl<N: Number, E> Valve<N, E> {
         *set - step.magnitude_amplified(self.half_per_step).of(step)
     }
 
-    /// The mean of the set value over a tick that lies `delay_ticks + delay_rest` ticks back.
+    /// The set value `delay_ticks` ticks back and one more: a tick that lies `delay_ticks + delay_rest` back begins with the share `delay_rest` of the
+    /// older one.
     #[inline]
     #[expect(clippy::indexing_slicing, reason = "the index is masked to the length, a power of two")]
-    fn delay<const DELAY: usize>(&self, line: &mut [N; DELAY], head: &mut u32, mean: N) -> N {
+    fn delay<const DELAY: usize>(&self, line: &mut [N; DELAY], head: &mut u32, mean: N) -> [N; 2] {
         const { assert!(DELAY.is_power_of_two() && DELAY <= 1 << 30, "the delay line's length is a power of two") };
         let newest = *head as usize;
         line[newest & (DELAY - 1)] = mean;
         *head = head.wrapping_add(1);
         let younger = line[newest.wrapping_sub(self.delay_ticks) & (DELAY - 1)];
         let older = line[newest.wrapping_sub(self.delay_ticks).wrapping_sub(1) & (DELAY - 1)];
-        younger + self.delay_rest.of(older - younger)
+        [younger, older]
     }
 }
 
