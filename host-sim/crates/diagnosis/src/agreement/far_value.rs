@@ -59,13 +59,14 @@ pub enum Cause {
 }
 
 /// The far ones of fitted values. A tolerance is not among them: it cannot be left ([`Tolerated`](super::Tolerated)). Nor is an amount that has changed:
-/// it is a finding.
+/// it is a finding. Nor is how a spool is limited, by its speed or by what pulls it: that is a structure, from none of which a value is far.
 #[must_use]
 pub fn far_values(machine: &Machine<f64>, free: &[Free], estimates: &[Estimate]) -> Vec<FarValue> {
     let far = |estimate: &Estimate| {
         let free = free.iter().find(|free| free.parameter == estimate.parameter && free.tolerance().is_none())?;
         let value = estimate.value;
-        if free.near().is_some_and(|most| (value - free.nominal()).abs() > most) {
+        let has_changed = free.near().is_some_and(|most| (value - free.nominal()).abs() > most);
+        if has_changed || free.parameter == Parameter::SpeedOverdrive {
             return None;
         }
         let sigmas = free.deviations(value).abs();
@@ -175,5 +176,7 @@ mod tests {
         let lap = roughly(Parameter::DeadZone, (0.0, 0.03), 0.06, 1e-3).unwrap();
         assert!(lap.nominal == 0.0 && lap.sigmas > 3.0 && !lap.is_impossible, "{lap:?}");
         assert_eq!(roughly(Parameter::DeadZone, (0.0, 0.03), 1e-6, 1e-7), None);
+        // A pilot stage that opens no further.
+        assert_eq!(roughly(Parameter::SpeedOverdrive, (0.5, 2.0), 1e-6, 1e-7), None);
     }
 }
