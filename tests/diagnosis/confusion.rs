@@ -189,6 +189,7 @@ fn what_one_newton_step_tells_too_little_of_is_refitted() {
 
 /// Where the neutral drifts a little, nearly all of the whole model's misfit comes from a late position.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn a_late_position_does_not_hide_a_neutral_that_drifts() {
     is_named(9102, 14, "null-drift + position-sensor-lag");
 }

@@ -112,8 +112,8 @@ fn pressures() -> [PerUnit; 2] {
     [0.3, 0.5].map(PerUnit::saturated)
 }
 
-/// The name of the folder where libraries are built.
-const BUILT: &str = "c_library";
+/// The name of the folder where libraries are built: that of the images, in which `tests/run` has built the model for the targets.
+const BUILT: &str = "on_target";
 
 /// Builds the library of an exported drive for a target, or for the host.
 fn build(drive: &Path, target: Option<&str>) -> Output {

@@ -66,13 +66,22 @@ pub(crate) fn counted() -> impl Iterator<Item = (&'static str, Machine<f64>)> {
     [("paper's model", plain)].into_iter().chain(several).chain([("every effect", every_effect(&plain))])
 }
 
-/// Trials of baked drives, by their machines: all of the press and of the mass, and of the pump those with several effects or none.
-fn trials() -> Vec<(Machine<f64>, Vec<Case>)> {
+/// Of which drives: each is compiled by itself, which takes long.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Of {
+    /// All of the press and of the mass, and of the pump those with several effects or none.
+    EachEffect,
+    /// Those with several effects or none alone.
+    Several,
+}
+
+/// Trials of baked drives, by their machines.
+fn trials(of: Of) -> Vec<(Machine<f64>, Vec<Case>)> {
     let mut trials: Vec<(String, Machine<f64>, Vec<Case>)> = Vec::new();
     for case in cases() {
         let name = case.to_string();
-        if case.input() == Input::Pump && !["no effect", "effects", "every effect"].iter().any(|set| name.contains(set))
-        {
+        let is_several = ["no effect", "effects", "every effect"].iter().any(|set| name.contains(set));
+        if !is_several && (of == Of::Several || case.input() == Input::Pump) {
             continue;
         }
         // Not a number is not equal to itself, its text is.
@@ -87,9 +96,9 @@ fn trials() -> Vec<(Machine<f64>, Vec<Case>)> {
 }
 
 /// Compares the traces of a binary that takes in the list with those of the drives that are built, in a number type.
-fn assert_traces<N: Traced + BakedNumber>(traced: impl Fn(&Path) -> String) {
+fn assert_traces<N: Traced + BakedNumber>(of: Of, traced: impl Fn(&Path) -> String) {
     let (mut exports, mut built) = (Exports::new(), String::new());
-    for (machine, cases) in trials() {
+    for (machine, cases) in trials(of) {
         let inputs: Vec<(Input, String)> =
             cases.iter().map(|case| (case.input(), format!("{}{case}", N::PREFIX))).collect();
         exports.add::<N>(&inputs[0].1, &machine, &inputs);
@@ -102,14 +111,15 @@ fn assert_traces<N: Traced + BakedNumber>(traced: impl Fn(&Path) -> String) {
         assert_eq!(built, baked, "line {} of the trace: built, then baked", number + 1);
     }
     assert_eq!(built.lines().count(), baked.lines().count());
-    assert!(exports.count > 50, "{}", exports.count);
+    let least = if of == Of::EachEffect { 50 } else { 10 };
+    assert!(exports.count > least, "{}", exports.count);
 }
 
 #[test]
 fn a_baked_drive_computes_what_the_built_one_does_on_the_host() {
     let traced = |list: &Path| run_on_host(&[("FIRMWARE_BAKED_TRIALS", list)], "baked_trials");
-    assert_traces::<PerUnit>(traced);
-    assert_traces::<Single>(traced);
+    assert_traces::<PerUnit>(Of::EachEffect, traced);
+    assert_traces::<Single>(Of::EachEffect, traced);
 }
 
 #[test]
@@ -117,10 +127,13 @@ fn a_baked_drive_computes_what_the_built_one_does_on_the_target() {
     for processor in Processor::ALL {
         if processor.can_be_emulated() {
             let traced = |list: &Path| processor.run_with(&[("FIRMWARE_BAKED_TRIALS", list)], "baked_trials");
-            assert_traces::<PerUnit>(traced);
-            // Single precision where there is an FPU.
-            if processor == Processor::M4F {
-                assert_traces::<Single>(traced);
+            match processor {
+                Processor::M4F => {
+                    assert_traces::<PerUnit>(Of::EachEffect, traced);
+                    assert_traces::<Single>(Of::EachEffect, traced);
+                }
+                // Each effect by itself is compared as it is built (parity.rs). No FPU, no single precision.
+                Processor::M3 => assert_traces::<PerUnit>(Of::Several, traced),
             }
         }
     }

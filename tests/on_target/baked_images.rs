@@ -105,9 +105,10 @@ fn an_image_of_a_baked_drive_holds_the_code_of_its_own_effects_alone() {
     assert_parts::<PerUnit>("mass", &mass(), &[], "3");
     for level in ["3", "2", "\"s\""] {
         assert_parts::<PerUnit>("paper", &press(), &["valve"], level);
-        for set in SETS {
-            assert_parts::<PerUnit>(set.name, &set.on(&press()), &names(set, "valve"), level);
-        }
+    }
+    // For size the compiler inlines, and so folds, the least.
+    for set in SETS {
+        assert_parts::<PerUnit>(set.name, &set.on(&press()), &names(set, "valve"), "\"s\"");
     }
     assert_parts::<Single>("paper, f32", &press(), &["valve"], "3");
     for set in SETS {

@@ -267,6 +267,7 @@ fn of_these_drives_nothing_is_said_to_be_missing_that_is_not() {
 
 /// Position alone: load, tank pressure and the valve's gain, each far from then's, made up for a leak that had become half as large.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn a_leak_that_fell_is_told_where_the_base_parameters_can_make_up_for_it() {
     let pair = pair_of("internal-leakage", 8);
     assert!(pair.is_right(), "{}", pair.line());
@@ -290,6 +291,7 @@ fn an_edge_that_has_worn_is_told() {
 
 /// The return line's pressure of then was taken for laminar, which it is not at the flows of later.
 #[test]
+#[ignore = "a minute: one of the study of once confused cases"]
 fn a_law_that_does_not_hold_at_other_flows_is_no_change() {
     let pair = pair_of("tank-back-pressure", 12);
     assert!(pair.claims_nothing() && pair.acts_otherwise(), "{}", pair.line());
