@@ -18,7 +18,7 @@ use super::chromium::{Chromium, program};
 const MOST_BYTES: u64 = 12_000_000;
 /// Longest time of the studio over that of the program on one thread.
 const MOST_TIMES: f64 = 4.0;
-/// Concealed cases whose documents are compared: single effects, a pair, and one in which nothing is missing.
+/// Concealed cases whose documents are compared.
 const CONCEALED: [&str; 5] = ["d00", "d01", "d02", "d03", "d04"];
 /// Longest that a diagnosis takes in the browser.
 const PATIENCE: Duration = Duration::from_mins(5);
