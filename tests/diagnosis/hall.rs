@@ -106,7 +106,9 @@ fn a_base_fit_with_more_free_values_is_never_worse() {
     let cases: Vec<&Prepared> = prepared.iter().collect();
     let whole = fitted(&all, &cases).loss;
     assert!(machine.get(P::MovingMass) > 100.0);
-    for left_out in [P::TankPressure, P::SpoolSpeedLimit, P::StribeckForce] {
+    for left_out in
+        [P::TankPressure, P::BulkModulus, P::SpoolSpeedLimit, P::FlowCoefficient, P::MeteringRatio, P::StribeckForce]
+    {
         let fewer: Vec<Free> = all.iter().filter(|free| free.parameter != left_out).copied().collect();
         assert!(fewer.len() < all.len(), "{left_out:?}");
         let loss = fitted(&fewer, &cases).loss;
